@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import readable_data, result_options, table_options
+from cyclemap.cli.options import PATH, readable_data, result_options, table_options
 
 
 @click.command("audit")
-@click.argument("data", type=click.Path(path_type=Path))
+@click.argument("data", type=PATH)
 @table_options
 @result_options("audit_DATA.png and .json")
 def audit_command(

@@ -25,18 +25,24 @@ def doctor_command(json_target: str | None) -> None:
     The exit code is 1 where something that should work does not.
     """
     from cyclemap.cli.output import publish_json
+    from cyclemap.errors import InvalidInput
+    from cyclemap.figures.measured_folder import MeasuredFolder
     from cyclemap.mechanics.engine import library
 
     problems: list[str] = []
-    data = _data_folder(problems)
-    engine, error = _engine(problems)
+    data = None
+    try:
+        data = MeasuredFolder.found().path
+    except InvalidInput as error:
+        problems.append(str(error))
+    engine, off = _engine(problems)
     report: Json = {
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
         "machine": f"{platform.system()} {platform.machine()}",
         "engine": str(library.library_path(Path(library.__file__).parent)),
         "engine_version": engine,
-        "self_check_error_deg": None if error is None else math.degrees(error),
-        "data_folder": data,
+        "self_check_error_deg": None if off is None else math.degrees(off),
+        "data_folder": None if data is None else str(data),
         "problems": problems,
         "healthy": not problems,
     }
@@ -44,18 +50,6 @@ def doctor_command(json_target: str | None) -> None:
         _tell(report, problems)
     if problems:
         raise click.exceptions.Exit(UNHEALTHY)
-
-
-def _data_folder(problems: list[str]) -> str | None:
-    from cyclemap.errors import InvalidInput
-    from cyclemap.figures.measured_folder import MeasuredFolder
-
-    try:
-        path = MeasuredFolder.found().path
-    except InvalidInput as error:
-        problems.append(str(error))
-        return None
-    return None if path is None else str(path)
 
 
 def _engine(problems: list[str]) -> tuple[str | None, float | None]:

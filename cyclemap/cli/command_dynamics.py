@@ -22,7 +22,7 @@ COLUMNS = ("law", "θ0 (°)", "model", "push turn (°)", "dx (mm)", "dy (mm)", "
 @click.command("dynamics")
 @loop_options
 @theta0_option
-@click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
+@click.option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod.")
 @result_options("dynamics_MATERIAL.png and .json")
 def dynamics_command(
     options: LoopOptions, theta0_deg: str, speed_mm_s: float, out: Path, picture_format: str, json_target: str | None
@@ -51,7 +51,20 @@ def dynamics_command(
     stem = out / f"dynamics_{file_stem(chosen.material.name)}"
     picture = publish(told, dynamics_page(material, isotropic), stem, picture_format, json_target)
     if picture is not None:
-        _print_for_people(material, isotropic, picture)
+        from cyclemap.cli.output import PeopleConsole, people_table
+        from cyclemap.views.dynamics_page import difference_sentence
+
+        console = PeopleConsole()
+        console.tell(difference_sentence(material), difference_sentence(isotropic))
+        table = people_table(f"Cycles at {1e3 * material.loop.speed:g} mm/s", COLUMNS)
+        for place in (0, 2):
+            table.columns[place].justify = "left"
+        for law, comparison in (("anisotropic", material), ("isotropic", isotropic)):
+            for k in range(comparison.dynamic.theta.size):
+                table.add_row(*_cells(law, "dynamic", comparison.dynamic, k))
+                table.add_row(*_cells("", "quasi-static", comparison.quasi_static, k), end_section=True)
+        console.print_table(table)
+        console.print(f"picture: {picture}")
 
 
 def _report(starts_deg: list[float], material: DynamicsComparison, isotropic: DynamicsComparison) -> Json:
@@ -79,23 +92,6 @@ def _report(starts_deg: list[float], material: DynamicsComparison, isotropic: Dy
         "anisotropic": rows(material),
         "isotropic": {"mu": number(isotropic.loop.loop.material.friction.mu_a), **rows(isotropic)},
     }
-
-
-def _print_for_people(material: DynamicsComparison, isotropic: DynamicsComparison, picture: Path) -> None:
-    from cyclemap.cli.output import PeopleConsole, people_table
-    from cyclemap.views.dynamics_page import difference_sentence
-
-    console = PeopleConsole()
-    console.tell(difference_sentence(material), difference_sentence(isotropic))
-    table = people_table(f"Cycles at {1e3 * material.loop.speed:g} mm/s", COLUMNS)
-    for place in (0, 2):
-        table.columns[place].justify = "left"
-    for law, comparison in (("anisotropic", material), ("isotropic", isotropic)):
-        for k in range(comparison.dynamic.theta.size):
-            table.add_row(*_cells(law, "dynamic", comparison.dynamic, k))
-            table.add_row(*_cells("", "quasi-static", comparison.quasi_static, k), end_section=True)
-    console.print_table(table)
-    console.print(f"picture: {picture}")
 
 
 def _cells(law: str, model: str, cycles: Cycles, k: int) -> tuple[str, ...]:

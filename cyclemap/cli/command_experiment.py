@@ -11,14 +11,14 @@ from cyclemap.cli.options import MOST_CYCLES, LoopOptions, Real, Whole, loop_opt
 
 if TYPE_CHECKING:
     from cyclemap.cli.json_report import Json
-    from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
+    from cyclemap.collection.batch_experiment import BatchRun
 
 
 @click.command("experiment")
 @loop_options
-@click.option("--batches", type=Whole(min=1), default=6, show_default=True, help="Batches, evenly spaced.")
-@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=100, show_default=True, help="Cycles a batch.")
-@click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
+@click.option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced.")
+@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=100, help="Cycles a batch.")
+@click.option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod.")
 @click.option("--quasi-static", is_flag=True, help="Quasi-static cycles, without inertia, in place of dynamic ones.")
 @result_options("experiment_MATERIAL.png and .json")
 def experiment_command(
@@ -41,39 +41,35 @@ def experiment_command(
     from cyclemap.cli.settings import chosen_loop
     from cyclemap.collection.batch_experiment import batch_experiment
     from cyclemap.collection.dynamic_loop import DynamicLoop
-    from cyclemap.views.experiment_page import (
-        experiment_headline,
-        experiment_page,
-        isotropic_sentence,
-        method_line,
-        spread_sentence,
-    )
+    from cyclemap.views import experiment_page as page
 
     loop, _ = chosen_loop(options)
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, batches, cycles, report)
     stem = out / f"experiment_{file_stem(loop.material.name)}"
-    picture = publish(_report(experiment), experiment_page(experiment), stem, picture_format, json_target)
-    if picture is not None:
-        told = (spread_sentence, isotropic_sentence, method_line)
-        words = (sentence(experiment) for sentence in told)
-        PeopleConsole().tell(experiment_headline(experiment), *words, f"picture: {picture}")
-
-
-def _report(experiment: BatchExperiment) -> Json:
-    """The experiment as JSON; theta0_deg on the lift, one entry more than cycles."""
+    # The experiment as JSON; theta0_deg on the lift, one entry more than cycles.
     from cyclemap.cli.json_report import degrees, number
     from cyclemap.collection.batch_experiment import WITHIN
 
-    return {
-        "model": "quasi-static" if experiment.speed is None else "dynamic",
-        "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
-        "cycles": experiment.cycles,
-        "within_deg": degrees(WITHIN),
-        "anisotropic": _run(experiment.anisotropic),
-        "isotropic": _run(experiment.isotropic),
-    }
+    picture = publish(
+        {
+            "model": "quasi-static" if experiment.speed is None else "dynamic",
+            "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
+            "cycles": experiment.cycles,
+            "within_deg": degrees(WITHIN),
+            "anisotropic": _run(experiment.anisotropic),
+            "isotropic": _run(experiment.isotropic),
+        },
+        page.experiment_page(experiment),
+        stem,
+        picture_format,
+        json_target,
+    )
+    if picture is not None:
+        told = (page.spread_sentence, page.isotropic_sentence, page.method_line)
+        words = (sentence(experiment) for sentence in told)
+        PeopleConsole().tell(page.experiment_headline(experiment), *words, f"picture: {picture}")
 
 
 def _run(run: BatchRun) -> Json:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.options import LoopOptions, protocol_options
+from cyclemap.cli.options import PATH, LoopOptions, protocol_options
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 @click.command("explore")
 @protocol_options
-@click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to lay over the curves.")
-@click.option("--browser/--no-browser", default=True, help="Open the page, or only print its address.")
+@click.option("--data", metavar="CSV", type=PATH, help="Measured θ0 to lay over the curves.")
+@click.option(
+    "--browser/--no-browser", default=True, show_default=False, help="Open the page, or only print its address."
+)
 def explore_command(options: LoopOptions, data: Path | None, browser: bool) -> None:
     """Move sliders and see the object move, its map, its stable directions and its staircase, in the browser.
 

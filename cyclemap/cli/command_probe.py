@@ -8,26 +8,31 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, Whole, protocol_options, readable_data, result_options, table_options
+from cyclemap.cli.options import (
+    PATH,
+    LoopOptions,
+    Whole,
+    protocol_options,
+    readable_data,
+    result_options,
+    table_options,
+)
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence.push_probe import Probe
 
 
 @click.command("probe")
 @protocol_options
-@click.option("--data", metavar="DATA", type=click.Path(path_type=Path), help="Pushes made: a table with end poses.")
+@click.option("--data", metavar="DATA", type=PATH, help="Pushes made: a table with end poses.")
 @click.option(
     "--command", "program", metavar="PROGRAM", help='A program: {"theta_deg"} in, {"dx_mm","dy_mm","dtheta_deg"} out.'
 )
 @click.option(
     "--python", metavar="MODULE:FUNCTION", help="push(theta) -> (dx, dy, dtheta): rad; m in the object's frame."
 )
-@click.option(
-    "--count", type=Whole(12, 3600), default=72, show_default=True, help="Orientations, of a program or function."
-)
+@click.option("--count", type=Whole(12, 3600), default=72, help="Orientations, of a program or function.")
 @table_options
 @result_options("probe.png and .json")
 def probe_command(options: LoopOptions, json_target: str | None, **asked: Any) -> None:
@@ -75,21 +80,19 @@ def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
         raise InvalidInput("say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION")
     loop = replace(chosen_loop(options, asked["data"])[0], material=load_material("isotropic"), accuracy=1e-6)
     if given == ["data"]:
-        return _of_data(loop, asked)
+        from cyclemap.evidence import load_pushes
+        from cyclemap.evidence.push_probe import OUTCOMES, probe_pushes
+
+        table = load_pushes(readable_data(asked["data"], asked["columns"], asked["units"], asked["out"])).table
+        table = table.dropna(subset=["theta0", *OUTCOMES])
+        if not len(table):
+            raise InvalidInput(
+                f"{asked['data']}: no push with a pose before and after it: x0, y0, theta0, x1, y1, theta1"
+            )
+        return probe_pushes(table["theta0"].to_numpy(), table[list(OUTCOMES)].to_numpy(), loop)
     if given == ["program"]:
         return probe(command_push(shlex.split(asked["program"])), loop, asked["count"])
     return probe(_function(asked["python"]), loop, asked["count"])
-
-
-def _of_data(loop: CollectionLoop, asked: dict[str, Any]) -> Probe:
-    from cyclemap.evidence import load_pushes
-    from cyclemap.evidence.push_probe import OUTCOMES, probe_pushes
-
-    table = load_pushes(readable_data(asked["data"], asked["columns"], asked["units"], asked["out"])).table
-    table = table.dropna(subset=["theta0", *OUTCOMES])
-    if not len(table):
-        raise InvalidInput(f"{asked['data']}: no push with a pose before and after it: x0, y0, theta0, x1, y1, theta1")
-    return probe_pushes(table["theta0"].to_numpy(), table[list(OUTCOMES)].to_numpy(), loop)
 
 
 def _function(name: str) -> Any:

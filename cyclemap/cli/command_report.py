@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.options import LoopOptions, loop_options
+from cyclemap.cli.options import PATH, LoopOptions, loop_options
 
 if TYPE_CHECKING:
     from cyclemap.collection.portrait import Portrait, Progress
@@ -34,9 +34,9 @@ BIBTEX = """@article{ma2018friction,
 
 @click.command("report")
 @loop_options
-@click.option("--data", metavar="FILE", type=click.Path(path_type=Path), help="Measured pushes or θ0 to judge it by.")
+@click.option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by.")
 @click.option("--reset", is_flag=True, help="Also find a reset without bias, with its files (some ten seconds).")
-@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), default="out", show_default=True, help="Where.")
+@click.option("--out", metavar="DIR", type=PATH, default="out", help="Where.")
 def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Path) -> None:
     """Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance."""
     from cyclemap.cli.output import file_stem, progress_bar
@@ -67,12 +67,8 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
             sections.append(section)
         told = [replace(one, paragraphs=tuple(map(typeset, one.paragraphs))) for one in (*sections, _how_sure(found))]
         sections = [*told, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
-    words = [
-        "cyclemap",
-        "report",
-        options.material or "",
-        *(word for one in options.settings for word in ("--set", one)),
-    ]
+    words = ["cyclemap", "report", options.material or ""]
+    words += [word for one in options.settings for word in ("--set", one)]
     words += ["--protocol", options.protocol.name] if options.protocol else []
     words += ["--data", data.name] if data else []
     picture = render(portrait_page(found, portrait_curves(found)), "png", 80)
@@ -96,27 +92,21 @@ def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress
     """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what is left over."""
     from cyclemap.evidence.comparison.compare import compare
     from cyclemap.maps import WrappedNormal
-    from cyclemap.views.compare_page import (
-        data_sentence,
-        explanation_sentences,
-        headline,
-        residual_page,
-        trust_sentences,
-    )
+    from cyclemap.views import compare_page
     from cyclemap.views.report.report_page import Section
     from cyclemap.views.style import render
 
     compared = compare(found.loop, data, noise=WrappedNormal(sigma) if said else None, progress=progress)
     name = found.loop.material.name
-    told = (headline(name, compared), data_sentence(compared))
+    told = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
     verdicts = (one.words for one in compared.verdicts)
-    trust = trust_sentences(compared)
-    page = residual_page(compared)
+    trust = compare_page.trust_sentences(compared)
+    page = compare_page.residual_page(compared)
     return [
         Section("Recorded against predicted", (*told, *verdicts, *trust)),
         Section(
             "What explains it, and what is left",
-            tuple(explanation_sentences(name, compared)),
+            tuple(compare_page.explanation_sentences(name, compared)),
             b"" if page is None else render(page, "png", 80),
             "Measured less predicted, over the orientation before the push; a line joins medians of 5 degrees",
         ),

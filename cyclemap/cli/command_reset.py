@@ -24,7 +24,7 @@ _OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or
 _LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
 
 
-@click.command("reset", context_settings={"show_default": True})
+@click.command("reset")
 @loop_options
 @click.option("--allow-tv", type=_SHARE, default=0.10, help=_TV)
 @click.option("--extra-tv", type=_SHARE, default=0.02, help="More after --within pushes.")

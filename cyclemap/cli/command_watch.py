@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, Real, result_options, table_options, tell_what_was_read, told_columns
+from cyclemap.cli.options import (
+    PATH,
+    LoopOptions,
+    Real,
+    result_options,
+    table_options,
+    tell_what_was_read,
+    told_columns,
+)
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -22,18 +30,17 @@ if TYPE_CHECKING:
 
 # Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below what is recorded.
 _TOLD_SHARES, _TOLERANCE = 10, 1e-3
-_PATH: Any = click.Path(path_type=Path)
 _SHARE, _WAIT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.01, max=86400.0)
 _RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
 _SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
 
 
 @click.command("watch")
-@click.argument("file", type=_PATH)
-@click.option("--alarm-rate", type=_SHARE, default=0.01, show_default=True, help=_RATE)
+@click.argument("file", type=PATH)
+@click.option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE)
 @click.option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).")
-@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, show_default=True, help="Between such looks.")
-@click.option("--protocol", metavar="TOML", type=_PATH, help="With a [strategy]: which of its actions to take next.")
+@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, help="Between such looks.")
+@click.option("--protocol", metavar="TOML", type=PATH, help="With a [strategy]: which of its actions to take next.")
 @click.option("--material", metavar="MATERIAL", help=_SURFACE)
 @table_options
 @result_options("watch_FILE.png and .json")

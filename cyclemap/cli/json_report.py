@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from cyclemap.collection.staircase_forecast import StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import SlowZone, StaircaseSummary, Steps
+    from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, StepComparison, Steps
     from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
@@ -37,25 +37,40 @@ def cycle_report(start_deg: float, cycle: Cycle) -> Json:
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
+    rotation, operator, turns = portrait.rotation, portrait.operator, portrait.turns
+    locked = rotation.locked
     report: Json = {
-        "map": _map(portrait),
-        "fixed_points": [
-            {
-                "theta_deg": direction_deg(orbit.points[0]),
-                "multiplier": number(orbit.multiplier),
-                "stable": bool(orbit.stable),
-            }
-            for orbit in portrait.fixed_points
-        ],
-        "rotation_number": _rotation(portrait),
-        "stationary": _stationary(portrait),
+        "map": {
+            "degree": int(portrait.map.degree),
+            "samples": int(portrait.map.samples),
+            "max_error_deg": degrees(portrait.map.max_error),
+            "mean_turn_deg": degrees(turns.mean),
+            "min_turn_deg": degrees(turns.minimum),
+            "max_turn_deg": degrees(turns.maximum),
+            **numbers_of(turns, "min_slope", "max_slope"),
+        },
+        "fixed_points": [*map(orbit_report, portrait.fixed_points)],
+        "rotation_number": {
+            **numbers_of(rotation, "value", "lower", "upper"),
+            "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
+        },
+        "stationary": {
+            "noise_deg": degrees(portrait.noise.sigma),
+            "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
+            **numbers_of(operator, "spectral_gap", "mixing_cycles"),
+            "tv_from_uniform": number(portrait.tv_from_uniform),
+        },
         "staircase": _staircase(portrait.prediction),
     }
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.worn is not None:
-        report["worn"] = _worn(portrait.worn)
-    return report if measured is None else {**report, "data": _data(measured)}
+        report["worn"] = {**_staircase(portrait.worn), "zones": [_zone(zone) for zone in portrait.worn.zones]}
+    if measured is not None:
+        agreement = measured.agreement
+        told: Json = {"pairs": agreement.pairs, "dropped": dict(measured.pairs.dropped), "bins": agreement.bins}
+        report["data"] = {**told, **degrees_of(agreement, "rms", "bin_rms")}
+    return report
 
 
 def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Json:
@@ -72,7 +87,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     if forecast.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(forecast.uncertainty)
     if forecast.worn is not None:
-        report["worn"] = _worn(forecast.worn)
+        report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
@@ -93,6 +108,12 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
         }
         for action, acted, share in zip(strategy.actions, strategy.loops(loop), strategy.shares, strict=True)
     ]
+
+
+def orbit_report(orbit: Orbit) -> Json:
+    """Where a fixed point is, and whether it is stable."""
+    theta = direction_deg(float(orbit.points[0]))
+    return {"theta_deg": theta, "multiplier": number(orbit.multiplier), "stable": bool(orbit.stable)}
 
 
 def json_text(report: Json) -> str:
@@ -122,50 +143,12 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
     }
 
 
-def _map(portrait: Portrait) -> Json:
-    turns = portrait.turns
-    return {
-        "degree": int(portrait.map.degree),
-        "samples": int(portrait.map.samples),
-        "max_error_deg": degrees(portrait.map.max_error),
-        "mean_turn_deg": degrees(turns.mean),
-        "min_turn_deg": degrees(turns.minimum),
-        "max_turn_deg": degrees(turns.maximum),
-        "min_slope": number(turns.min_slope),
-        "max_slope": number(turns.max_slope),
-    }
-
-
-def _rotation(portrait: Portrait) -> Json:
-    rotation = portrait.rotation
-    locked = rotation.locked
-    return {
-        **numbers_of(rotation, "value", "lower", "upper"),
-        "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
-    }
-
-
-def _stationary(portrait: Portrait) -> Json:
-    operator = portrait.operator
-    return {
-        "noise_deg": degrees(portrait.noise.sigma),
-        "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
-        **numbers_of(operator, "spectral_gap", "mixing_cycles"),
-        "tv_from_uniform": number(portrait.tv_from_uniform),
-    }
-
-
 def _staircase(prediction: StaircaseSummary) -> Json:
     return {
         "mean_turn_deg": degrees(prediction.mean_turn),
         "mean_residence_cycles": number(prediction.mean_residence_cycles),
         "step_deg": degrees(prediction.step),
     }
-
-
-def _worn(worn: StaircaseSummary) -> Json:
-    """What runs on the surface of the last cycle are like."""
-    return {**_staircase(worn), "zones": [_zone(zone) for zone in worn.zones]}
 
 
 def _zone(zone: SlowZone) -> Json:
@@ -195,7 +178,6 @@ def steps_report(steps: Steps) -> Json:
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    comparison = measured.comparison
     return {
         **steps_report(measured.steps),
         "fitted": {
@@ -205,33 +187,24 @@ def measured_report(measured: MeasuredStaircase) -> Json:
             **_staircase(measured.prediction),
             "zones": [_zone(zone) for zone in measured.prediction.zones],
         },
-        "comparison": {
-            "steps": number(comparison.net_steps),
-            **numbers_of(comparison, "expected_steps", "pace_p_value"),
-            "visits": [
-                {
-                    "centre_deg": direction_deg(visit.zone.centre),
-                    "exits": visit.exits,
-                    "mean_cycles": number(visit.mean),
-                    "standard_error_cycles": number(visit.standard_error),
-                    "predicted_cycles": number(visit.predicted),
-                    "p_value": number(visit.mean_p_value),
-                }
-                for visit in comparison.visits
-            ],
-        },
+        "comparison": comparison_report(measured.comparison),
     }
 
 
-def _data(measured: MeasuredOverlay) -> Json:
-    agreement = measured.agreement
-    return {
-        "pairs": agreement.pairs,
-        "dropped": dict(measured.pairs.dropped),
-        "rms_deg": degrees(agreement.rms),
-        "bins": agreement.bins,
-        "bin_rms_deg": degrees(agreement.bin_rms),
-    }
+def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
+    """Steps and visits measured beside those predicted; of visits also their standard errors where asked for."""
+    told: Json = {"steps": number(comparison.net_steps), **numbers_of(comparison, "expected_steps", "pace_p_value")}
+    visits = []
+    for one in comparison.visits:
+        visit: Json = {
+            "centre_deg": direction_deg(one.zone.centre),
+            "exits": one.exits,
+            "mean_cycles": number(one.mean),
+        }
+        if errors:
+            visit["standard_error_cycles"] = number(one.standard_error)
+        visits.append({**visit, "predicted_cycles": number(one.predicted), "p_value": number(one.mean_p_value)})
+    return {**told, "visits": visits}
 
 
 def number(value: float | None) -> float | None:

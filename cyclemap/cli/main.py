@@ -62,7 +62,10 @@ class _Commands(click.Group):
             formatter.write_dl([(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()])
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+_SHOWN = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}
+
+
+@click.group(cls=_Commands, context_settings=_SHOWN)
 @click.version_option(package_name="cyclemap")
 def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
@@ -113,7 +116,8 @@ def run(arguments: Sequence[str]) -> int:
     except InvalidInput as error:
         return _complain(str(error), BAD_USE)
     except BrokenPipeError:
-        return _drop_output()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return NO_READER
     except (CycleMapError, OSError) as error:
         return _complain(str(error), FAILED)
     except (KeyboardInterrupt, click.Abort):
@@ -124,9 +128,3 @@ def run(arguments: Sequence[str]) -> int:
 def _complain(message: str, code: int) -> int:
     click.echo(f"error: {one_line(message)}", err=True)
     return code
-
-
-def _drop_output() -> int:
-    """Point stdout nowhere, so that the interpreter's last flush finds no closed pipe."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return NO_READER

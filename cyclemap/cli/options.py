@@ -16,6 +16,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number, plain_whole
 
 _QUIET = "cyclemap.quiet"
+PATH: Any = click.Path(path_type=Path)
+JSON_HELP = "Write JSON there; '-' prints JSON and nothing else."
 
 
 @dataclass(frozen=True)
@@ -46,61 +48,49 @@ select_option = click.option(
 )
 
 
-def loop_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give `command` the MATERIAL argument and the options of a loop; they reach it as one `LoopOptions`."""
-    return _gathering(command, needs_material=True)
+def _gathering(needs_material: bool) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def gathered(
+            material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...],
+            **others: Any,
+        ) -> None:  # fmt: skip
+            one = (material is None) != (material_file is None)
+            if not one and (needs_material or material is not None):
+                raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
+            command(LoopOptions(material or material_file, protocol, settings), **others)
+
+        file = "A material file, in place of MATERIAL."
+        tables = "The --set keys in TOML tables, and a [strategy]."
+        fact = "One fact of the experiment; repeatable."
+        decorators: list[Callable[[Any], Any]] = [
+            click.argument("material", required=False),
+            click.option("--material", "material_file", metavar="TOML", help=file),
+            click.option("--protocol", metavar="TOML", type=PATH, help=tables),
+            click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=fact),
+        ]
+        return decorated(gathered, decorators)
+
+    return decorate
 
 
-def protocol_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give `command` the options of a loop, whose material may be left out."""
-    return _gathering(command, needs_material=False)
-
-
-def _gathering(command: Callable[..., None], needs_material: bool) -> Callable[..., None]:
-    @wraps(command)
-    def gathered(
-        material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...], **others: Any
-    ) -> None:
-        one = (material is None) != (material_file is None)
-        if not one and (needs_material or material is not None):
-            raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
-        command(LoopOptions(material or material_file, protocol, settings), **others)
-
-    decorators: list[Callable[[Any], Any]] = [
-        click.argument("material", required=False),
-        click.option("--material", "material_file", metavar="TOML", help="A material file, in place of MATERIAL."),
-        click.option(
-            "--protocol",
-            metavar="TOML",
-            type=click.Path(path_type=Path),
-            help="The --set keys in TOML tables, and a [strategy].",
-        ),
-        click.option(
-            "--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable."
-        ),
-    ]
-    return decorated(gathered, decorators)
-
-
-def theta0_option(command: Callable[..., None]) -> Callable[..., None]:
-    """Give `command` the list of start angles, every 30 degrees by default."""
-    return click.option(
-        "--theta0-deg",
-        metavar="LIST",
-        default=",".join(str(angle) for angle in range(0, 360, 30)),
-        show_default=True,
-        help="Start angles, by commas.",
-    )(command)
+# Give a command the MATERIAL argument and the options of a loop, which reach it as one `LoopOptions`; the second where
+# the material may be left out.
+loop_options, protocol_options = _gathering(needs_material=True), _gathering(needs_material=False)
+# Start angles, every 30 degrees by default.
+theta0_option = click.option(
+    "--theta0-deg", metavar="LIST", default=",".join(map(str, range(0, 360, 30))), help="Start angles, by commas."
+)
 
 
 def run_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give `command` the options of a command that predicts a run of cycles."""
     decorators: list[Callable[[Any], Any]] = [
-        click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to set beside it."),
+        click.option("--data", metavar="CSV", type=PATH, help="Measured θ0 to set beside it."),
         click.option(
             "--cycles", type=Whole(1, MOST_CYCLES), help="Length of the staircase. [default: 2000, or the data's]"
         ),
-        click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of its noise."),
+        click.option("--seed", type=Whole(min=0), default=0, help="Seed of its noise."),
         result_options("COMMAND_MATERIAL.png and .json"),
     ]
     return decorated(command, decorators)
@@ -108,15 +98,14 @@ def run_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def result_options(files: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the options of where results go, and as what; `files` names them in the help."""
-    only = "Write JSON there; '-' prints JSON and nothing else."
-    folder: dict[str, Any] = {"metavar": "DIR", "type": click.Path(path_type=Path), "default": "out"}
+    folder: dict[str, Any] = {"metavar": "DIR", "type": PATH, "default": "out"}
     formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png"}
     return lambda command: decorated(
         command,
         [
-            click.option("--out", show_default=True, help=f"Where {files} go.", **folder),
-            click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
-            click.option("--json", "json_target", metavar="FILE", help=only),
+            click.option("--out", help=f"Where {files} go.", **folder),
+            click.option("--format", "picture_format", help="Format of the picture.", **formats),
+            click.option("--json", "json_target", metavar="FILE", help=JSON_HELP),
         ],
     )
 

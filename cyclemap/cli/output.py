@@ -143,17 +143,14 @@ class PeopleConsole(Console):
         before, room = self.width, self.options.update(width=_WIDEST)
         needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:
-            self._print_rows(table)
+            if table.title:
+                self.print(table.title, style="italic")
+            for fields in zip(*(column.cells for column in table.columns), strict=True):
+                for column, field in zip(table.columns, fields, strict=True):
+                    name = " ".join(str(column.header).split())
+                    self.print(f"{name}: {field}" if name else str(field))
+                self.print()
             return
         self.width = max(before, needed)
         self.print(table)
         self.width = before
-
-    def _print_rows(self, table: Table) -> None:
-        if table.title:
-            self.print(table.title, style="italic")
-        for fields in zip(*(column.cells for column in table.columns), strict=True):
-            for column, field in zip(table.columns, fields, strict=True):
-                name = " ".join(str(column.header).split())
-                self.print(f"{name}: {field}" if name else str(field))
-            self.print()

@@ -5,23 +5,17 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number
+from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
+from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
-from cyclemap.evidence.comparison.cycle_agreement import (
-    CycleAgreement,
-    DirectionAgreement,
-    OrientationAgreement,
-    SimulatedQuantity,
-    StaircaseAgreement,
-)
 from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.orientations.goodness_of_fit import PValue
-from cyclemap.maps import StepComparison, WrappedNormal
+from cyclemap.maps import WrappedNormal
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
@@ -61,22 +55,18 @@ def run_compare(
     told = (data_sentence(found), *verdicts, *trust_sentences(found))
     console.tell(headline(name, found), *told)
     for whose, quantities in found.told_pushes:
-        console.print_table(_push_table(whose, quantities))
+        table = people_table(f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS)
+        for one in quantities:
+            scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
+            lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
+            values = [f"{scale * value:.2f}" for value in lengths]
+            # Of a mean that is nothing beside the spread a percentage says nothing.
+            shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
+            table.add_row(SYMBOLS[one.name], *values, *shares)
+        console.print_table(table)
     if found.orientations is not None:
         console.print_table(_test_table(found))
     console.print(f"picture: {picture}")
-
-
-def _push_table(whose: str, quantities: tuple[QuantityAgreement, ...]) -> Table:
-    table = people_table(f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS)
-    for one in quantities:
-        scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
-        lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
-        values = [f"{scale * value:.2f}" for value in lengths]
-        # Of a mean that is nothing beside the spread a percentage says nothing.
-        shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
-        table.add_row(SYMBOLS[one.name], *values, *shares)
-    return table
 
 
 def _test_table(found: Comparison) -> Table:
@@ -151,7 +141,7 @@ def _quantity(found: QuantityAgreement, scale: float) -> Json:
     }
 
 
-def _cycle(found: CycleAgreement) -> Json:
+def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
     return {
         "pairs": found.agreement.pairs,
         "rms_deg": degrees(found.agreement.rms),
@@ -164,7 +154,7 @@ def _cycle(found: CycleAgreement) -> Json:
     }
 
 
-def _orientations(found: OrientationAgreement) -> Json:
+def _orientations(found: cycle_agreement.OrientationAgreement) -> Json:
     tests = {name: _p_value(one) for name, one in found.tests.items()}
     wasserstein = {"statistic_deg": degrees(found.wasserstein.statistic), "p_value": number(found.wasserstein.value)}
     return {
@@ -178,7 +168,7 @@ def _orientations(found: OrientationAgreement) -> Json:
     }
 
 
-def _directions(found: DirectionAgreement) -> Json:
+def _directions(found: cycle_agreement.DirectionAgreement) -> Json:
     return {
         "predicted": [
             {
@@ -195,38 +185,20 @@ def _directions(found: DirectionAgreement) -> Json:
     }
 
 
-def _staircase(found: StaircaseAgreement) -> Json:
+def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
     return {
         "turns": _simulated(found.turns, 1.0),
         "steps": _simulated(found.step_count, 1.0),
         "step_height_deg": _simulated(found.step_height, _DEGREE),
         "residence_cycles": _simulated(found.residence, 1.0),
-        "theory": None if found.theory is None else _theory(found.theory),
+        "theory": None if found.theory is None else comparison_report(found.theory, errors=False),
     }
 
 
-def _simulated(found: SimulatedQuantity, scale: float) -> Json:
+def _simulated(found: cycle_agreement.SimulatedQuantity, scale: float) -> Json:
     names = ("measured", "predicted", "lower", "upper")
     scaled = {name: None if (value := getattr(found, name)) is None else number(scale * value) for name in names}
     return {**scaled, "p_value": None if found.p_value is None else number(found.p_value.value)}
-
-
-def _theory(found: StepComparison) -> Json:
-    return {
-        "steps": number(found.net_steps),
-        "expected_steps": number(found.expected_steps),
-        "pace_p_value": number(found.pace_p_value),
-        "visits": [
-            {
-                "centre_deg": _direction(one.zone.centre),
-                "exits": one.exits,
-                "mean_cycles": number(one.mean),
-                "predicted_cycles": number(one.predicted),
-                "p_value": number(one.mean_p_value),
-            }
-            for one in found.visits
-        ],
-    }
 
 
 def _p_value(found: PValue | None) -> Json | None:

@@ -43,16 +43,6 @@ class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
         return path
 
 
-@dataclass(frozen=True)
-class Made:
-    """One exhibit made: its line of the index, whether measured data were asked for, the rows of a table."""
-
-    line: Json
-    asked: bool
-    header: tuple[str, ...] = ()
-    rows: tuple[tuple[str, ...], ...] = ()
-
-
 def list_figures(json_target: str | None) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
     listed = [{"name": entry.name, "source": entry.source, "title": entry.title} for entry in entries()]
@@ -72,35 +62,43 @@ def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_fo
     """
     chosen, folder = entries(names), MeasuredFolder.found(data)
     with only_writer(out):
-        _make_all(chosen, folder, out, picture_format, target)
+        index = _read_index(out / INDEX_FILE)
+        console, made, failed = PeopleConsole(), list[Json](), list[Json]()
+        for number, entry in enumerate(chosen, 1):
+            try:
+                with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
+                    line, asked, header, rows = _make(entry, folder, out, picture_format)
+            except CycleMapError as error:
+                failed.append({"name": entry.name, "error": str(error)})
+                continue
+            made.append(line)
+            index[entry.name] = line
+            write_json(out / INDEX_FILE, _in_order(index))
+            if target != "-":
+                # One exhibit for people: title, rows of a table, caption, file, and whether measured data were there.
+                console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
+                if header:
+                    table = Table()
+                    for name in header:
+                        table.add_column(name, no_wrap=True)
+                    for row in rows:
+                        table.add_row(*row)
+                    console.print_table(table)
+                console.print(str(line["caption"]))
+                if asked:
+                    console.print(f"measured data: {line['measured'] or NO_DATA}")
+                console.print(f"file: {out / str(line['file'])}\n")
+        report: Json = {"figures": [*made], "failed": [*failed]}
+        publish_json(report, target)
+        if failed:
+            told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
+            raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
 
 
-def _make_all(
-    chosen: tuple[Entry, ...], folder: MeasuredFolder, out: Path, picture_format: str, target: str | None
-) -> None:
-    index = _read_index(out / INDEX_FILE)
-    console, made, failed = PeopleConsole(), list[Made](), list[Json]()
-    for number, entry in enumerate(chosen, 1):
-        try:
-            with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
-                one = _make(entry, folder, out, picture_format)
-        except CycleMapError as error:
-            failed.append({"name": entry.name, "error": str(error)})
-            continue
-        made.append(one)
-        index[entry.name] = one.line
-        write_json(out / INDEX_FILE, _in_order(index))
-        if target != "-":
-            _tell(console, one, out)
-    report: Json = {"figures": [one.line for one in made], "failed": [*failed]}
-    publish_json(report, target)
-    if failed:
-        told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
-        raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
-
-
-def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) -> Made:
-    """Compute, draw and write one exhibit."""
+def _make(
+    entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str
+) -> tuple[Json, bool, tuple[str, ...], tuple[tuple[str, ...], ...]]:
+    """Make and write one exhibit: its line of the index, whether it asked for measured data, header and rows."""
     from cyclemap.figures.catalogue import PaperAnimation, PaperFigure
 
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
@@ -124,24 +122,7 @@ def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) 
     names = {"name": entry.name, "title": entry.title, "source": entry.source}
     found = ", ".join(data.there) or None
     line: Json = {**names, "caption": typeset(exhibit.caption(result)), "file": path.name, "measured": found}
-    return Made(line, bool(data.asked), header, rows)
-
-
-def _tell(console: PeopleConsole, made: Made, out: Path) -> None:
-    """One exhibit for people: title, rows of a table, caption, file, and whether measured data were there."""
-    line = made.line
-    console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
-    if made.header:
-        table = Table()
-        for name in made.header:
-            table.add_column(name, no_wrap=True)
-        for row in made.rows:
-            table.add_row(*row)
-        console.print_table(table)
-    console.print(str(line["caption"]))
-    if made.asked:
-        console.print(f"measured data: {line['measured'] or NO_DATA}")
-    console.print(f"file: {out / str(line['file'])}\n")
+    return line, bool(data.asked), header, rows
 
 
 def _read_index(path: Path) -> dict[str, Any]:

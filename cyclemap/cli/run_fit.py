@@ -1,10 +1,10 @@
 """`cyclemap fit`: laws fitted to measured pushes, in tables and sentences, as JSON, and as a picture of each set."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -14,9 +14,9 @@ from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish,
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPace, TurnPlace, WornForecast
-from cyclemap.evidence.tables.push_sets import MotionStatistics, PushSet, PushStatistics, push_sets
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
+from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set
 from cyclemap.plain_text import plain_number
 from cyclemap.suggestions import unknown_name
 from cyclemap.views.fit_page import fit_page
@@ -43,41 +43,57 @@ FACTS = {
     "angle": ("angle_deg", math.degrees(1.0)),
 }
 QUANTITIES = (("dtheta", "Δθ (°)", math.degrees(1.0)), ("dx", "Δx (mm)", 1000.0), ("dy", "Δy (mm)", 1000.0))
+# Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the law.
+STATISTICS = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
+LAWS = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
 NOTHING = "–"
 # A percentage of a mean near 0 says nothing but that.
 MOST_PERCENT = 1000.0
 NOTE_LETTERS = 60
 
 
-@dataclass(frozen=True)
-class FitRequest:
-    """What is asked of the fit: which pushes, which laws, and where results go."""
-
-    select: tuple[str, ...]
-    harmonics: int | None
-    wear: bool
-    seed: int
-    out: Path
-    picture_format: str
-
-
-def run_fit(data: Path, request: FitRequest, json_target: str | None) -> None:
+def run_fit(
+    data: Path, select: tuple[str, ...], harmonics: int | None, wear: bool, seed: int, out: Path, picture_format: str,
+    json_target: str | None,
+) -> None:  # fmt: skip
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
-    chosen = selected_values(request.select)
+    chosen = selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(data, progress=report)
     if not len(pushes.table) and pushes.unreadable:
         raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
     if not len(pushes.table):
         raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
-    fits = _fit_all(push_sets(pushes, chosen), request)
-    pictures = []
+    sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
+    with progress_bar("fitting") as report:
+        for one in sets:
+
+            def share(fraction: float) -> None:
+                report((len(fits) + fraction) / len(sets))
+
+            fits.append(fit_set(one, harmonics=harmonics, wear=wear, seed=seed, progress=share))
     for fit in (one for one in fits if not one.is_empty):
-        stem = request.out / f"fit_{file_stem(fit.pushes.name)}"
-        publish(set_report(fit), fit_page(fit), stem, request.picture_format, None)
-        pictures.append(stem.with_name(f"{stem.name}.{request.picture_format}"))
-    if not publish_json(fit_report(pushes, fits), json_target):
-        _print_for_people(pushes, fits, pictures)
+        stem = out / f"fit_{file_stem(fit.pushes.name)}"
+        publish(set_report(fit), fit_page(fit), stem, picture_format, None)
+        pictures.append(stem.with_name(f"{stem.name}.{picture_format}"))
+    if publish_json(fit_report(pushes, fits), json_target):
+        return
+    console = PeopleConsole()
+    scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
+    console.print(f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}", style="bold")
+    for file in pushes.unreadable[:MOST_NAMED]:
+        console.print(f"could not be read: {file.path}: {file.reason}")
+    if len(pushes.unreadable) > MOST_NAMED:
+        console.print(f"could not be read: {len(pushes.unreadable)} files in all")
+    if any(fit.pushes.has_motion for fit in fits):
+        console.print_table(_table(STATISTICS, [fit.statistics for fit in fits], _statistic, "mean", "σ", "%"))
+        console.print_table(_table(LAWS, [fit.laws for fit in fits], _law_fields, "RMSE", "%", "cv", "K"))
+    told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
+    for line in (
+        *(told or ["nothing could be fitted: no set has enough pushes"]),
+        *(f"picture: {one}" for one in pictures),
+    ):
+        console.print(line)
 
 
 def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
@@ -111,39 +127,6 @@ def reasons_of(left_out: Sequence[UnreadableFile]) -> str:
     return told + (f"; and {len(left_out) - MOST_NAMED} more" if len(left_out) > MOST_NAMED else "")
 
 
-def _fit_all(sets: tuple[PushSet, ...], request: FitRequest) -> list[SetFit]:
-    fits = []
-    with progress_bar("fitting") as report:
-        for done, pushes in enumerate(sets):
-
-            def share(fraction: float, before: int = done) -> None:
-                report((before + fraction) / len(sets))
-
-            options = {"harmonics": request.harmonics, "wear": request.wear, "seed": request.seed}
-            fits.append(fit_set(pushes, progress=share, **options))  # type: ignore[arg-type]
-    return fits
-
-
-def _print_for_people(pushes: PushTable, fits: list[SetFit], pictures: list[Path]) -> None:
-    console = PeopleConsole()
-    scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
-    console.print(f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}", style="bold")
-    for file in pushes.unreadable[:MOST_NAMED]:
-        console.print(f"could not be read: {file.path}: {file.reason}")
-    if len(pushes.unreadable) > MOST_NAMED:
-        console.print(f"could not be read: {len(pushes.unreadable)} files in all")
-    if any(fit.pushes.has_motion for fit in fits):
-        for table in (statistics_table([fit.statistics for fit in fits]), law_table([fit.laws for fit in fits])):
-            console.print_table(table)
-    for fit in fits:
-        if not fit.is_empty:
-            console.print("\n".join(set_sentences(fit)))
-    if not pictures:
-        console.print("nothing could be fitted: no set has enough pushes")
-    for picture in pictures:
-        console.print(f"picture: {picture}")
-
-
 def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
     """The report of a whole collection: what was read, what could not be, and every set."""
     unreadable = [{"path": str(file.path), "reason": file.reason} for file in pushes.unreadable]
@@ -158,44 +141,44 @@ def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
 def set_report(fit: SetFit) -> Json:
     """The report of one set, as fit_NAME.json holds it."""
     pushes = fit.pushes
-    return {
-        "name": pushes.name,
-        "source": str(pushes.source),
-        **_facts(fit),
-        "contacts": pushes.contacts,
-        "pushes": pushes.count,
-        "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
-        "statistics": _statistics(fit.statistics),
-        "laws": {law.quantity: _law(law) for law in fit.laws.laws},
-        "dtheta_histogram": None if fit.histogram is None else _turn_histogram(fit.histogram),
-        "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
-    }
-
-
-def _facts(fit: SetFit) -> Json:
     told: Json = {name: fit.pushes.facts.get(name) for name in ("surface", "object")}
     for column, (name, unit) in FACTS.items():
         value = fit.pushes.facts.get(column)
         told[name] = None if value is None else number(unit * value)
-    return told
-
-
-def _statistics(row: PushStatistics) -> Json:
-    given = {name: getattr(row, name) for name in UNITS}
+    found = fit.histogram
+    given = {name: getattr(fit.statistics, name) for name in UNITS}
     return {
-        "problem": row.problem,
-        **{name: None if one is None else _one_statistic(name, one) for name, one in given.items()},
+        "name": pushes.name,
+        "source": str(pushes.source),
+        **told,
+        "contacts": pushes.contacts,
+        "pushes": pushes.count,
+        "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
+        "statistics": {
+            "problem": fit.statistics.problem,
+            **{name: None if one is None else _statistics(one, *UNITS[name]) for name, one in given.items()},
+        },
+        "laws": {law.quantity: _law(law) for law in fit.laws.laws},
+        "dtheta_histogram": None
+        if found is None
+        else {
+            "edges_deg": numbers(np.degrees(found.edges)),
+            "measured": found.measured.tolist(),
+            "predicted": numbers(found.predicted.tolist()),
+            "law_alone": numbers(found.law_alone.tolist()),
+            **numbers_of(found, "total_variation", "chance_total_variation"),
+            "p_value": number(found.chance.value),
+            "distance_deg": degrees(found.distance),
+            "law_alone_total_variation": number(found.law_alone_total_variation),
+            "law_alone_distance_deg": degrees(found.law_alone_distance),
+        },
+        "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
     }
 
 
-def _one_statistic(name: str, one: MotionStatistics) -> Json:
-    unit, scale = UNITS[name]
-    return {
-        "count": one.count,
-        f"mean_{unit}": number(scale * one.mean),
-        f"std_{unit}": number(scale * one.std),
-        "percent": number(one.percent),
-    }
+def _statistics(one: MotionStatistics, unit: str, scale: float) -> Json:
+    told = {f"{name}_{unit}": number(scale * getattr(one, name)) for name in ("mean", "std")}
+    return {"count": one.count, **told, "percent": number(one.percent)}
 
 
 def _law(found: MotionLaw) -> Json:
@@ -218,20 +201,6 @@ def _law(found: MotionLaw) -> Json:
         f"cosine_{unit}": numbers(scale * law.cosine),
         f"sine_{unit}": numbers(scale * law.sine),
         "log_variance": numbers(law.log_variance.tolist()),
-    }
-
-
-def _turn_histogram(found: TurnHistogram) -> Json:
-    return {
-        "edges_deg": numbers(np.degrees(found.edges)),
-        "measured": found.measured.tolist(),
-        "predicted": numbers(found.predicted.tolist()),
-        "law_alone": numbers(found.law_alone.tolist()),
-        **numbers_of(found, "total_variation", "chance_total_variation"),
-        "p_value": number(found.chance.value),
-        "distance_deg": degrees(found.distance),
-        "law_alone_total_variation": number(found.law_alone_total_variation),
-        "law_alone_distance_deg": degrees(found.law_alone_distance),
     }
 
 
@@ -279,30 +248,27 @@ def _turn_place(place: TurnPlace) -> Json:
 
 def _forecast(found: WornForecast) -> Json:
     low, high = np.quantile(found.turns, [0.025, 0.975])
+    pace = found.pace
+    columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
     return {
         **numbers_of(found, "first_cycle", "measured_turns", "left_out_turns"),
         "predicted_turns": number(float(np.mean(found.turns))),
         "predicted_turns_std": number(float(np.std(found.turns))),
         "predicted_turns_95": [number(float(low)), number(float(high))],
-        "full_turns": _pace(found.pace),
+        "full_turns": [
+            {
+                "start_cycle": number(start),
+                "measured_pushes": number(measured),
+                "predicted_pushes": number(predicted),
+                "predicted_95": [number(low), number(high)],
+            }
+            for start, measured, predicted, low, high in columns
+        ],
         "peak_deg": _peak(found.measured_histogram),
         "predicted_peak_deg": _peak(found.histogram),
         "total_variation": number(found.total_variation),
         "wasserstein_deg": degrees(found.wasserstein),
     }
-
-
-def _pace(pace: TurnPace) -> list[Json]:
-    columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
-    return [
-        {
-            "start_cycle": number(start),
-            "measured_pushes": number(measured),
-            "predicted_pushes": number(predicted),
-            "predicted_95": [number(low), number(high)],
-        }
-        for start, measured, predicted, low, high in columns
-    ]
 
 
 def _peak(histogram: AngleHistogram) -> list[float]:
@@ -311,30 +277,8 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
 
 
-def statistics_table(rows: list[PushStatistics]) -> Table:
-    """Mean, standard deviation and its percentage of Δθ, Δx and Δy, a row a set."""
-    notes = any(row.problem for row in rows)
-    title = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
-    table = _table(title, notes, "mean", "σ", "%")
-    for row in rows:
-        numbers = [_statistic(getattr(row, name), unit) for name, _, unit in QUANTITIES]
-        table.add_row(*_cells(row, numbers, notes))
-    return table
-
-
-def law_table(rows: list[SetLaws]) -> Table:
-    """RMSE of the laws of θ0 and its percentage, as in the paper, with that in pushes left out and the order."""
-    title = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
-    notes = any(row.problem for row in rows)
-    table = _table(title, notes, "RMSE", "%", "cv", "K")
-    for row in rows:
-        numbers = [_law_fields(getattr(row, name), unit) for name, _, unit in QUANTITIES]
-        table.add_row(*_cells(row, numbers, notes))
-    return table
-
-
-def _table(title: str, notes: bool, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left")
+def _table(title: str, rows: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str) -> Table:
+    table, notes = Table(title=title, title_justify="left"), any(row.problem for row in rows)
     table.add_column("set", no_wrap=True)
     table.add_column("pushes", justify="right")
     for _, label, _ in QUANTITIES:
@@ -342,11 +286,10 @@ def _table(title: str, notes: bool, *columns: str) -> Table:
             table.add_column(f"{label}\n{column}" if place == 0 else f"\n{column}", justify="right", no_wrap=True)
     if notes:
         table.add_column("note", max_width=NOTE_LETTERS)
+    for row in rows:
+        told = chain.from_iterable(fields(getattr(row, name), unit) for name, _, unit in QUANTITIES)
+        table.add_row(row.name, str(row.count), *told, *([row.problem or ""] if notes else []))
     return table
-
-
-def _cells(row: PushStatistics | SetLaws, numbers: list[list[str]], notes: bool) -> list[str]:
-    return [row.name, str(row.count), *chain.from_iterable(numbers), *([row.problem or ""] if notes else [])]
 
 
 def _statistic(one: MotionStatistics | None, unit: float) -> list[str]:

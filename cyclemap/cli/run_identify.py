@@ -3,9 +3,7 @@
 import math
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 
@@ -24,7 +22,7 @@ from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, coll
 from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, identify
-from cyclemap.evidence.identification.surface_parameters import ParameterSpace, starting_space
+from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_curves import Derived, derived_quantities, identified_curves
 from cyclemap.evidence.identified_material import identified_material, readable_kind, readable_unit
 from cyclemap.mechanics import EllipseFriction, Material, load_material
@@ -39,65 +37,71 @@ _NAMES = {"°": "deg", " mm": "mm", "": "1"}
 NOTHING = "–"
 
 
-@dataclass(frozen=True)
-class IdentifyRequest:
-    """What is asked of an identification, in the units of the command line."""
-
-    select: tuple[str, ...]
-    protocol: Path | None
-    settings: tuple[str, ...]
-    start: str | None
-    free: str | None
-    fix: tuple[str, ...]
-    first: int
-    most: int
-    wear: bool
-    no_priors: bool
-    name: str | None
-    folds: int | None
-    student: float
-    starts: int
-    seed: int
-    out: Path
-    picture_format: str
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """All that an identification came to."""
-
-    data: CollectedBlocks
-    found: Identification
-    derived: tuple[Derived, ...]
-    material: Material
-
-
-def run_identify(data: Sequence[Path], request: IdentifyRequest, json_target: str | None) -> None:
+def run_identify(
+    data: Sequence[Path], select: tuple[str, ...], protocol: Path | None, settings: tuple[str, ...], start: str | None,
+    free: str | None, fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None,
+    folds: int | None, student: float, starts: int, seed: int, out: Path, picture_format: str, json_target: str | None,
+) -> None:  # fmt: skip
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
-    outcome = _outcome(data, request)
-    told = identify_report(outcome.material, outcome.data.notes, outcome.found, outcome.derived)
-    files = _files(outcome, request, json_text(told).encode())
-    for path, content in files.items():
-        write_whole(path, content)
-    if not publish_json(told, json_target):
-        _print_for_people(outcome, list(files))
-
-
-def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
-    start = None if request.start is None else load_material(request.start)
-    fixed, loop, select = fixed_values(request.fix), _loop(data, request), selected_values(request.select)
-    space = starting_space(loop, start)
-    choices: dict[str, Any] = {name: getattr(request, name) for name in ("first", "wear", "most")}
+    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
+        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
+    surface, fixed = None if start is None else load_material(start), fixed_values(fix)
+    loop, chosen = chosen_loop(LoopOptions("isotropic", protocol, settings), data[0])[0], selected_values(select)
+    space = starting_space(loop, surface)
     with progress_bar("reading") as report:
-        collected = collected_blocks(data, loop, select, progress=report, **choices)
-    found = _identified(collected, request, space, fixed)
+        collected = collected_blocks(data, loop, chosen, first=first, wear=wear, most=most, progress=report)
+    named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
+    named = named or tuple(one for one in telling_parameters(collected.blocks) if one not in fixed)
+    groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
+    with progress_bar("identifying") as report:
+        found = identify(
+            collected.blocks,
+            named,
+            {key: value for key, value in fixed.items() if key not in named},
+            priors={} if no_priors else usual_beliefs(named),
+            folds=folds if folds is not None else min(5, groups) if groups > 1 else 0,
+            starts=starts,
+            student=None if student == math.inf else student,
+            seed=seed,
+            space=space,
+            progress=report,
+        )
     if not found.converged:
         raise ConvergenceError(f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters")
-    name = request.name or f"{collected.surface or select.get('surface', 'surface')}-identified"
-    since = f" from cycle {request.first} on" if request.first else ""
-    sources = [f"{path.name}{since}" for path in data]
+    sources = [f"{path.name} from cycle {first} on" if first else path.name for path in data]
+    name = name or f"{collected.surface or chosen.get('surface', 'surface')}-identified"
     material = identified_material(found, name, sources, collected.last_cycle, collected.loop.slider.name)
-    return Outcome(collected, found, derived_quantities(found, seed=request.seed), material)
+    _conclude(collected, found, material, seed, out, picture_format, json_target)
+
+
+def _conclude(
+    data: CollectedBlocks, found: Identification, material: Material, seed: int, out: Path, picture_format: str,
+    json_target: str | None,
+) -> None:  # fmt: skip
+    derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
+    told, answer = identify_report(material, data.notes, found, derived), headline(material.name, derived)
+    # The material file names object, push and ring that it was found with where these are not MIT's own.
+    loop = with_material(data.loop, material)
+    is_mit = loop_tables(loop) == loop_tables(CollectionLoop.mit(material))
+    page = identify_page(answer, found, identified_curves(found, data.scans, seed), page_sentences(found))
+    toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"
+    # All of the content is made before the first file is written.
+    files = {
+        toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
+        out / f"identify_{stem}.json": json_text(told).encode(),
+        picture: render(page, picture_format),
+    }
+    for path, content in files.items():
+        write_whole(path, content)
+    if publish_json(told, json_target):
+        return
+    console = PeopleConsole()
+    console.tell(answer, *(f"data: {note}" for note in data.notes))
+    for table in (parameter_table(found), *([derived_table(derived)] if derived else []), error_table(found)):
+        console.print_table(table)
+    following = f"next: cyclemap portrait {shlex.quote(str(toml))}"
+    for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
+        console.print(line)
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
@@ -116,90 +120,8 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
-def _loop(data: Sequence[Path], request: IdentifyRequest) -> CollectionLoop:
-    """The experiment of the data, its surface isotropic: the noise is estimated, whatever a file says of it."""
-    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in request.settings):
-        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    return chosen_loop(LoopOptions("isotropic", request.protocol, request.settings), data[0])[0]
-
-
-def _identified(
-    data: CollectedBlocks, request: IdentifyRequest, space: ParameterSpace, fixed: dict[str, float]
-) -> Identification:
-    free = tuple(name.strip() for name in (request.free or "").split(",") if name.strip())
-    free = free or tuple(name for name in telling_parameters(data.blocks) if name not in fixed)
-    groups = sum(len(set(block.groups.tolist())) for block in data.blocks)
-    folds = request.folds if request.folds is not None else min(5, groups) if groups > 1 else 0
-    held = {name: value for name, value in fixed.items() if name not in free}
-    with progress_bar("identifying") as report:
-        return identify(
-            data.blocks,
-            free,
-            held,
-            priors={} if request.no_priors else usual_beliefs(free),
-            folds=folds,
-            starts=request.starts,
-            student=None if request.student == math.inf else request.student,
-            seed=request.seed,
-            space=space,
-            progress=report,
-        )
-
-
-def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Path, bytes]:
-    """Every file with its content, all of it made before the first is written."""
-    stem = file_stem(outcome.material.name)
-    curves = identified_curves(outcome.found, outcome.data.scans, request.seed)
-    words = page_sentences(outcome.found)
-    page = identify_page(headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
-    return {
-        request.out / f"{stem}.toml": _material_text(outcome).encode(),
-        request.out / f"identify_{stem}.json": report,
-        request.out / f"identify_{stem}.{request.picture_format}": render(page, request.picture_format),
-    }
-
-
-def _material_text(outcome: Outcome) -> str:
-    """The material and, where the experiment is not MIT's own, the object, push and ring that it was found with."""
-    loop = with_material(outcome.data.loop, outcome.material)
-    if loop_tables(loop) == loop_tables(CollectionLoop.mit(outcome.material)):
-        return material_toml(outcome.material)
-    return collection_text(loop)
-
-
-def _print_for_people(outcome: Outcome, files: list[Path]) -> None:
-    console = PeopleConsole()
-    notes = (f"data: {note}" for note in outcome.data.notes)
-    console.tell(headline(outcome.material.name, outcome.derived), *notes)
-    console.print_table(parameter_table(outcome.found))
-    if outcome.derived:
-        console.print_table(derived_table(outcome.derived))
-    console.print_table(error_table(outcome.found))
-    material, _, picture = files
-    following = f"next: cyclemap portrait {shlex.quote(str(material))}"
-    for line in (*note_sentences(outcome.found), f"picture: {picture}", f"material: {material}", following):
-        console.print(line)
-
-
 def identify_report(material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]) -> Json:
     """The report of an identification."""
-    return {
-        **_material(material),
-        "converged": found.converged,
-        "level": found.level,
-        "parameters": [_parameter(one) for one in found.estimates],
-        "plates": {one.plate: {key: number(value) for key, value in one.shares.items()} for one in material.plates},
-        "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
-        "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
-        "derived": [_derived(one) for one in derived],
-        "errors": [_errors(one) for one in found.errors],
-        "starts": {"count": found.starts.count, "arrived": found.starts.arrived, "failed": len(found.starts.failures)},
-        "notes": list(found.notes),
-        "data": list(data),
-    }
-
-
-def _material(material: Material) -> Json:
     wear = material.wear
     return {
         "name": material.name,
@@ -208,6 +130,22 @@ def _material(material: Material) -> Json:
         "inferred": material.inferred,
         "friction": _friction(material.friction),
         "worn": None if wear is None else {"cycles": wear.cycles, **_friction(wear.friction)},
+        "converged": found.converged,
+        "level": found.level,
+        "parameters": [_parameter(one) for one in found.estimates],
+        "plates": {one.plate: {key: number(value) for key, value in one.shares.items()} for one in material.plates},
+        "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
+        "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
+        "derived": [
+            {"name": one.name, "description": one.description, "unit": _NAMES[unit], "known": one.known}
+            | {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
+            for one in derived
+            for unit, factor in [readable_unit(one.unit)]
+        ],
+        "errors": [_errors(one) for one in found.errors],
+        "starts": {"count": found.starts.count, "arrived": found.starts.arrived, "failed": len(found.starts.failures)},
+        "notes": list(found.notes),
+        "data": list(data),
     }
 
 
@@ -231,49 +169,25 @@ def _parameter(one: Estimate) -> Json:
     }
 
 
-def _derived(one: Derived) -> Json:
-    unit, factor = readable_unit(one.unit)
-    values = {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
-    return {"name": one.name, "description": one.description, "unit": _NAMES[unit], **values, "known": one.known}
-
-
 def _errors(one: KindErrors) -> Json:
     kind, unit, factor = readable_kind(one.kind)
-    sizes = (
-        "mean",
-        "median",
-        "rms",
-        "left_out_mean",
-        "left_out_median",
-        "left_out_rms",
-        "isotropic_mean",
-        "isotropic_median",
-    )
-    told = {name: number(factor * getattr(one, name)) for name in sizes}
+    sizes = "mean median rms left_out_mean left_out_median left_out_rms isotropic_mean isotropic_median"
+    told = {name: number(factor * getattr(one, name)) for name in sizes.split()}
     return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 
 
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
-    table = _table(
-        "Parameters",
-        ("name", "left"),
-        ("value", "right"),
-        (f"{100.0 * found.level:g} % interval", "right"),
-        ("what it is", "left"),
-    )
+    interval = (f"{100.0 * found.level:g} % interval", "right")
+    table = _table("Parameters", ("name", "left"), ("value", "right"), interval, ("what it is", "left"))
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
-        if not one.identifiable:
-            interval = "not identifiable"
-        else:
-            ends = (_digits(factor * end) + "*" * opened for end, opened in _ends(one))
-            interval = " to ".join(ends)
-        value = f"{_digits(factor * one.value)}{unit}"
-        table.add_row(one.name, value, interval, one.description)
+        ends = _digits(factor * one.lower) + "*" * one.lower_open, _digits(factor * one.upper) + "*" * one.upper_open
+        told = " to ".join(ends) if one.identifiable else "not identifiable"
+        table.add_row(one.name, f"{_digits(factor * one.value)}{unit}", told, one.description)
     for name, held in sorted(found.problem.fixed.items()):
         table.add_row(name, _digits(held), "held", "")
-    if any(opened for one in found.estimates if one.identifiable for _, opened in _ends(one)):
+    if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
         table.caption = "* a bound of the parameter, not excluded by the data"
     return table
 
@@ -301,11 +215,6 @@ def error_table(found: Identification) -> Table:
         table.add_row(one.block, kind, str(one.rows), *told)
     table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
     return table
-
-
-def _ends(one: Estimate) -> tuple[tuple[float, bool], tuple[float, bool]]:
-    """Both ends of an interval, each with whether it is a bound."""
-    return (one.lower, one.lower_open), (one.upper, one.upper_open)
 
 
 def _table(title: str, *columns: tuple[str, str]) -> Table:

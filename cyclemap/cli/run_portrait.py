@@ -7,13 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.options import LoopOptions, RunRequest
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.views import sentences
@@ -25,43 +22,50 @@ if TYPE_CHECKING:
 
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    chosen = chosen_collection(options).simplified()
+    chosen, pairs = chosen_collection(options).simplified(), None
     loop, sigma = chosen.loop, chosen.sigma
-    pairs = None
     if request.data is not None:
         # Measured data, and all that belongs to it, are loaded only where there are some.
         from cyclemap.evidence import read_theta0_pairs
 
         pairs = read_theta0_pairs(request.data)
-    if chosen.strategy is None:
-        _run_loop(loop, sigma, request, pairs, json_target)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy import run_strategy_portrait
+
+        noise = DEFAULT_SIGMA if sigma is None else sigma
+        run_strategy_portrait(loop, chosen.strategy, noise, request, pairs, json_target)
         return
-    from cyclemap.cli.run_strategy import run_strategy_portrait
-
-    run_strategy_portrait(loop, chosen.strategy, DEFAULT_SIGMA if sigma is None else sigma, request, pairs, json_target)
-
-
-def _run_loop(
-    loop: CollectionLoop, sigma: float | None, request: RunRequest, pairs: Theta0Pairs | None, json_target: str | None
-) -> None:
-    """The portrait of a loop that does the same in every cycle."""
-    drawn = _compute(loop, sigma, request, pairs)
-    measured = None if pairs is None else _overlay(pairs, drawn)
-    page, stem = portrait_page(drawn, portrait_curves(drawn), measured), f"portrait_{file_stem(loop.material.name)}"
-    picture = publish(portrait_report(drawn, measured), page, request.out / stem, request.picture_format, json_target)
-    if picture is not None:
-        _print_for_people(drawn, measured, picture)
-
-
-def _compute(loop: CollectionLoop, sigma: float | None, request: RunRequest, pairs: Theta0Pairs | None) -> Portrait:
-    """The portrait; its staircase starts where the data start and is as long, unless told otherwise."""
+    # The staircase starts where the data start and is as long, unless told otherwise.
     path = None if pairs is None else pairs.path
-    length = DEFAULT_CYCLES if path is None else len(path) - 1
-    start = 0.0 if path is None else float(path[0])
+    cycles, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
     with progress_bar(f"cycle map of {loop.material.name}") as report:
-        return portrait(
-            loop, sigma=sigma, cycles=request.cycles or length, start=start, seed=request.seed, progress=report
+        found = portrait(
+            loop, sigma=sigma, cycles=request.cycles or cycles, start=start, seed=request.seed, progress=report
         )
+    measured = None if pairs is None else _overlay(pairs, found)
+    page, stem = portrait_page(found, portrait_curves(found), measured), f"portrait_{file_stem(loop.material.name)}"
+    picture = publish(portrait_report(found, measured), page, request.out / stem, request.picture_format, json_target)
+    if picture is not None:
+        _tell(found, measured, picture)
+
+
+def _tell(found: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
+    console, material = PeopleConsole(), found.loop.material
+    told = [sentences.lock_sentence(found), sentences.noise_sentence(found), sentences.staircase_sentence(found)]
+    told.append(sentences.uncertainty_sentence(material.name, found.uncertainty))
+    if measured is not None:
+        told.append(sentences.agreement_sentence(measured.agreement))
+    console.tell(sentences.headline(found), *filter(None, told))
+    if found.fixed_points:
+        table = people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""))
+        for orbit in found.fixed_points:
+            table.add_row(f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
+        console.print_table(table)
+    if line := sentences.material_line(material):
+        console.print(line)
+    for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
+        console.print(tell(found), style="dim")
+    console.print(f"picture: {picture}")
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
@@ -75,27 +79,3 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
         return overlay
     prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
     return replace(overlay, agreement=cycle_agreement(prediction, pairs, pairs.cycle).agreement)
-
-
-def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
-    console = PeopleConsole()
-    told = [sentences.lock_sentence(drawn), sentences.noise_sentence(drawn), sentences.staircase_sentence(drawn)]
-    told.append(sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty))
-    if measured is not None:
-        told.append(sentences.agreement_sentence(measured.agreement))
-    console.tell(sentences.headline(drawn), *filter(None, told))
-    if drawn.fixed_points:
-        console.print_table(_fixed_point_table(drawn))
-    if line := sentences.material_line(drawn.loop.material):
-        console.print(line)
-    for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
-        console.print(tell(drawn), style="dim")
-    console.print(f"picture: {picture}")
-
-
-def _fixed_point_table(drawn: Portrait) -> Table:
-    table = people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""))
-    for orbit in drawn.fixed_points:
-        place = math.degrees(orbit.points[0])
-        table.add_row(f"{place:.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
-    return table

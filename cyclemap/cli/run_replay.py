@@ -57,28 +57,16 @@ def run_replay(
     console.print(replay_headline(replayed), style="bold")
     table = people_table("Error at the end, by object (means)", COLUMNS, words=2)
     for row in replayed.by("surface", "object").to_dict("records"):
-        table.add_row(*_cells(row))
+        errors = [f"{1e3 * row[name]:.2f}" for name in ("mean_error", "median_error", "isotropic_mean_error")]
+        names = ("mean_turn_error", "median_turn_error", "isotropic_mean_turn_error")
+        turns = [f"{math.degrees(row[name]):.2f}" for name in names]
+        motion = f"{1e3 * row['mean_motion']:.1f}", f"{100 * row['relative_error']:.0f} %"
+        turn = f"{math.degrees(row['mean_turn']):.1f}", f"{100 * row['relative_turn_error']:.0f} %"
+        table.add_row(str(row["surface"]), str(row["object"]), str(row["count"]), *errors, *motion, *turns, *turn)
     console.print_table(table)
     if replayed.not_replayed:
         console.print(f"not replayed: {reasons_of(replayed.not_replayed)}")
     console.print(f"picture: {picture}")
-
-
-def _cells(row: dict[Any, Any]) -> tuple[str, ...]:
-    return (
-        str(row["surface"]),
-        str(row["object"]),
-        str(row["count"]),
-        *(f"{1e3 * row[name]:.2f}" for name in ("mean_error", "median_error", "isotropic_mean_error")),
-        f"{1e3 * row['mean_motion']:.1f}",
-        f"{100 * row['relative_error']:.0f} %",
-        *(
-            f"{math.degrees(row[name]):.2f}"
-            for name in ("mean_turn_error", "median_turn_error", "isotropic_mean_turn_error")
-        ),
-        f"{math.degrees(row['mean_turn']):.1f}",
-        f"{100 * row['relative_turn_error']:.0f} %",
-    )
 
 
 # Columns in m, m/s or m/s^2 and in rad, and what they are called in mm and degrees.

@@ -1,15 +1,13 @@
 """`cyclemap simulate`: a simulated collection as files, and what became of it, in words or as JSON."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json
-from cyclemap.cli.settings import ChosenCollection, chosen_collection
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import simulate_collection
@@ -20,77 +18,51 @@ from cyclemap.mechanics import load_material
 ACCURACY = 1e-6
 
 
-@dataclass(frozen=True)
-class SimulationRequest:
-    """What is asked of `cyclemap simulate` besides the loop, in the units of the command line."""
-
-    folder: Path
-    cycles: int
-    seed: int
-    start_deg: float
-    noise_deg: float | None
-    pose_noise_mm: float
-    pose_noise_deg: float
-    force_noise_n: float
-    wear_to: str | None
-    speed_mm_s: float
-    scans: bool
-    suffix: str
-
-
-def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: str | None) -> None:
+def run_simulate(
+    options: LoopOptions, folder: Path, cycles: int, seed: int, start_deg: float, noise_deg: float | None,
+    pose_noise_mm: float, pose_noise_deg: float, force_noise_n: float, wear_to: str | None, speed_mm_s: float,
+    scans: bool, suffix: str, json_target: str | None,
+) -> None:  # fmt: skip
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
     chosen = chosen_collection(options).simplified()
-    loop, cycle_by_cycle = _prepared(chosen, request)
-    own = loop.material.noise if request.noise_deg is None and chosen.sigma is None else None
+    loop, strategy, cycle_by_cycle = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy, dict[str, Any]()
+    if strategy is not None:
+        # What it changes from cycle to cycle is the same that its schedule of this seed says.
+        loop, actions = strategy.prepared(loop), strategy.run(cycles, seed)
+        cycle_by_cycle["cycle_loops"] = tuple(action.on(loop) for action in actions)
+        cycle_by_cycle["gripper_turns"] = tuple(action.turn for action in actions)
+    own = loop.material.noise if noise_deg is None and chosen.sigma is None else None
     measured = None if own is None else LocalNoise(own.log_sigma, own.correlation)
     sigma = DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     noise = RecordingNoise(
-        turn=sigma if request.noise_deg is None else math.radians(request.noise_deg),
-        position=1e-3 * request.pose_noise_mm,
-        angle=math.radians(request.pose_noise_deg),
-        force=request.force_noise_n,
+        turn=sigma if noise_deg is None else math.radians(noise_deg),
+        position=1e-3 * pose_noise_mm,
+        angle=math.radians(pose_noise_deg),
+        force=force_noise_n,
     )
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
             loop,
-            request.folder,
-            request.cycles,
-            start=math.radians(request.start_deg),
+            folder,
+            cycles,
+            start=math.radians(start_deg),
             noise=noise,
             cycle_noise=measured,
-            speed=1e-3 * request.speed_mm_s,
-            wear_to=None if request.wear_to is None else load_material(request.wear_to),
-            seed=request.seed,
-            scans=request.scans,
-            suffix=f".{request.suffix}",
+            speed=1e-3 * speed_mm_s,
+            wear_to=None if wear_to is None else load_material(wear_to),
+            seed=seed,
+            scans=scans,
+            suffix=f".{suffix}",
             progress=report,
             **cycle_by_cycle,
         )
-    report_json: Json = {
-        "folder": str(made.folder),
-        "cycles": made.cycles,
-        "written": made.written,
-        "resumed": made.resumed,
-        "theta0_deg_last": math.degrees(made.theta_last),
-        "bytes": made.bytes,
-    }
+    told = {name: getattr(made, name) for name in ("cycles", "written", "resumed")}
+    last_deg = math.degrees(made.theta_last)
+    report_json = {"folder": str(made.folder), **told, "theta0_deg_last": last_deg, "bytes": made.bytes}
     if publish_json(report_json, json_target):
         return
-    scans = f" and {made.scans} friction scans" if made.scans else ""
-    last = f"The last push starts at θ0 = {math.degrees(made.theta_last):.2f}°, counted without wrapping."
-    told = [last, f"next: cyclemap fit {made.folder}"]
-    if made.resumed:
-        told.insert(0, f"{made.resumed} of the pushes were there already, {made.written} were added.")
-    PeopleConsole().tell(f"{made.cycles} pushes{scans} in {made.folder}, {made.bytes / 1e6:.1f} MB", *told)
-
-
-def _prepared(chosen: ChosenCollection, request: SimulationRequest) -> tuple[CollectionLoop, dict[str, Any]]:
-    """The loop, and what a strategy changes of it from cycle to cycle: the same that its schedule of this seed says."""
-    loop, strategy = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy
-    if strategy is None:
-        return loop, {}
-    loop = strategy.prepared(loop)
-    actions = strategy.run(request.cycles, request.seed)
-    turns = tuple(action.turn for action in actions)
-    return loop, {"cycle_loops": tuple(action.on(loop) for action in actions), "gripper_turns": turns}
+    also = f" and {made.scans} friction scans" if made.scans else ""
+    added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(made.resumed)
+    last = f"The last push starts at θ0 = {last_deg:.2f}°, counted without wrapping."
+    words = f"{made.cycles} pushes{also} in {made.folder}, {made.bytes / 1e6:.1f} MB"
+    PeopleConsole().tell(words, *added, last, f"next: cyclemap fit {made.folder}")

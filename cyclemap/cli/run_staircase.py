@@ -4,19 +4,11 @@ from cyclemap.cli.json_report import staircase_report
 from cyclemap.cli.options import LoopOptions, RunRequest
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
-from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
-from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0_pairs
+from cyclemap.collection.staircase_forecast import staircase_forecast
+from cyclemap.evidence import measured_staircase, read_theta0_pairs
+from cyclemap.views import staircase_page
 from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.views.staircase_page import (
-    fitted_sentence,
-    forecast_sentence,
-    measured_sentence,
-    run_sentence,
-    staircase_page,
-    worn_sentence,
-)
 
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
@@ -24,44 +16,26 @@ def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | 
     chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, chosen.sigma
     measured = None if request.data is None else measured_staircase(read_theta0_pairs(request.data), request.seed)
-    if chosen.strategy is None:
-        _run_loop(loop, sigma, request, measured, json_target)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy import run_strategy_staircase
+
+        noise = DEFAULT_SIGMA if sigma is None else sigma
+        run_strategy_staircase(loop, chosen.strategy, noise, request, measured, json_target)
         return
-    from cyclemap.cli.run_strategy import run_strategy_staircase
-
-    run_strategy_staircase(
-        loop, chosen.strategy, DEFAULT_SIGMA if sigma is None else sigma, request, measured, json_target
-    )
-
-
-def _run_loop(
-    loop: CollectionLoop,
-    sigma: float | None,
-    request: RunRequest,
-    measured: MeasuredStaircase | None,
-    json_target: str | None,
-) -> None:
-    """The staircase of a loop that does the same in every cycle."""
-    forecast = _forecast(loop, sigma, request, measured)
+    # The run starts where the data start and is as long, unless told otherwise.
+    cycles, start = (DEFAULT_CYCLES, 0.0) if measured is None else (len(measured.path) - 1, float(measured.path[0]))
+    with progress_bar(f"staircase of {loop.material.name}") as report:
+        forecast = staircase_forecast(
+            loop, sigma=sigma, cycles=request.cycles or cycles, start=start, seed=request.seed, progress=report
+        )
     stem = request.out / f"staircase_{file_stem(loop.material.name)}"
-    page = staircase_page(forecast, measured)
+    page = staircase_page.staircase_page(forecast, measured)
     picture = publish(staircase_report(forecast, measured), page, stem, request.picture_format, json_target)
     if picture is None:
         return
-    told = [worn_sentence(forecast), run_sentence(forecast)]
+    told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
     told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
     if measured is not None:
-        told += [measured_sentence(measured), fitted_sentence(measured)]
-    PeopleConsole().tell(forecast_sentence(forecast), *filter(None, told), f"picture: {picture}")
-
-
-def _forecast(
-    loop: CollectionLoop, sigma: float | None, request: RunRequest, measured: MeasuredStaircase | None
-) -> StaircaseForecast:
-    """The forecast; its run starts where the data start and is as long, unless told otherwise."""
-    length = DEFAULT_CYCLES if measured is None else len(measured.path) - 1
-    start = 0.0 if measured is None else float(measured.path[0])
-    with progress_bar(f"staircase of {loop.material.name}") as report:
-        return staircase_forecast(
-            loop, sigma=sigma, cycles=request.cycles or length, start=start, seed=request.seed, progress=report
-        )
+        told += [staircase_page.measured_sentence(measured), staircase_page.fitted_sentence(measured)]
+    words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"
+    PeopleConsole().tell(*words)

@@ -73,7 +73,13 @@ def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenC
     warn_of_defaults(settings)
     loop = CollectionLoop.from_settings(settings, base)
     if strategy is not None:
-        _refuse_overruled(strategy, own)
+        from cyclemap.resets.design.strategy import overruled_settings
+
+        lost = [key for key in own if key in overruled_settings(strategy)]
+        if lost:
+            raise InvalidInput(
+                f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it in its table [strategy]"
+            )
     return ChosenCollection(loop, sigma, strategy)
 
 
@@ -106,16 +112,6 @@ def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy 
 
     settings, strategy = read_protocol(path)
     return (settings if path == options.protocol else {}), strategy
-
-
-def _refuse_overruled(strategy: ResetStrategy, own: Iterable[str]) -> None:
-    from cyclemap.resets.design.strategy import overruled_settings
-
-    lost = [key for key in own if key in overruled_settings(strategy)]
-    if lost:
-        raise InvalidInput(
-            f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it in its table [strategy]"
-        )
 
 
 def set_settings(pairs: Iterable[str]) -> dict[str, object]:

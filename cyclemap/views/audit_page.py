@@ -32,11 +32,7 @@ def audit_headline(found: Audit) -> str:
 
 def audit_paragraph(found: Audit) -> str:
     """What stands on the data set's card: cover, lock-in, worth, what the reset did, what to change."""
-    told = [_cover(found), _lock_in(found), _worth(found), _reset(found), _change(found)]
-    return " ".join(filter(None, told))
-
-
-def _cover(found: Audit) -> str:
+    pushes = len(found.theta)
     state, others = found.report.coverage, found.others
     of = f" (and {others} pushes of other sets, not looked at)" if others else ""
     if len(found.covered) == 1 and found.covered[0][1] - found.covered[0][0] > 6.28:
@@ -47,7 +43,9 @@ def _cover(found: Audit) -> str:
         arcs = ", ".join(f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in found.covered[:4])
         more = f" and {len(found.covered) - 4} arcs more" if len(found.covered) > 4 else ""
         where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
-    return f"The orientations of the object before {len(found.theta)} pushes{of} {where}."
+    cover = f"The orientations of the object before {pushes} pushes{of} {where}."
+    worth = f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly."
+    return " ".join([cover, _lock_in(found), worth, _reset(found), _change(found)])
 
 
 def _lock_in(found: Audit) -> str:
@@ -63,11 +61,6 @@ def _lock_in(found: Audit) -> str:
         f"From push {start} on they {how} {where}: {found.gathered:.0%} of the {after} pushes from there on lie within "
         "10° of it."
     )
-
-
-def _worth(found: Audit) -> str:
-    pushes = len(found.theta)
-    return f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly."
 
 
 def _reset(found: Audit) -> str:
@@ -101,18 +94,8 @@ def audit_page(found: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its push's."""
     with picture_style():
         figure = new_figure(13.333, 7.9)
-        grid = GridSpec(
-            2,
-            2,
-            figure,
-            width_ratios=(1.9, 1.0),
-            left=0.06,
-            right=0.975,
-            bottom=0.08,
-            top=0.74,
-            wspace=0.16,
-            hspace=0.5,
-        )
+        edges = {"left": 0.06, "right": 0.975, "bottom": 0.08, "top": 0.74}
+        grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.5, **edges)
         draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
         draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
         draw_worth(figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports])

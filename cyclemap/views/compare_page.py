@@ -1,52 +1,25 @@
 """A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes with poses."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
-from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement, StaircaseAgreement
+from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
-from cyclemap.views.map_panels import (
-    PER_DEGREE,
-    draw_measured_histogram,
-    draw_measured_turns,
-    draw_staircase,
-    draw_turn,
-)
+from cyclemap.views import map_panels, style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
-    say,
-    write_page,
-)
+from cyclemap.views.style import PREDICTED, QUIET
 
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
 # Fewer medians make no line.
 FEWEST_MEDIANS = 12
 _LABELS = {"dtheta": ("Δθ", "turn of a push (°)"), "dx": ("Δx", "Δx (mm)"), "dy": ("Δy", "Δy (mm)")}
-_DOTS: dict[str, Any] = {
-    "color": MEASURED,
-    "markersize": 3.0,
-    "alpha": 0.45,
-    "markeredgecolor": MEASURED_EDGE,
-    "markeredgewidth": 0.3,
-}
 # A lag correlation beyond this makes p-values of independent noise too small.
 CORRELATED = 0.2
 ISOTROPIC = "isotropic friction under even pressure"
@@ -54,14 +27,27 @@ ISOTROPIC = "isotropic friction under even pressure"
 
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         rows = bool(found.pushes) + (found.cycle is not None)
         grid = GridSpec(
             max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
         )  # fmt: skip
         if found.cycle is not None:
-            _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
+            turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
+            assert found.cycle is not None and found.data.pairs is not None
+            map_panels.draw_turn(turn, curve, ())
+            map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+            turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
+            style.legend_above(turn)
+            _draw_histograms(histogram, found.orientations)
+            staircase.set_title("Staircase", pad=TITLE_PAD)
+            if found.data.path is None or found.staircase is None:
+                style.say(staircase, "order of the pushes unknown")
+            else:
+                map_panels.draw_staircase(staircase, found.staircase.run, found.data.path)
+                staircase.set_xlabel("cycle of the compared path")
+                style.legend_above(staircase)
         if found.pushes:
             panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
             draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
@@ -69,7 +55,10 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
         sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
         told = (data_sentence(found), summary_sentence(found))
-        write_page(figure, headline(name, found), told, f"{noise_words(found)}{sets}")
+        kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
+        noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
+        foot = f"predicted by the {kinds.get(found.prediction.kind, 'fit')}{noise}{sets}"
+        style.write_page(figure, headline(name, found), told, foot)
     return figure
 
 
@@ -85,10 +74,10 @@ def residual_page(found: Comparison) -> Figure | None:
             left.append((label, theta, (np.degrees(1.0) if name == "dtheta" else 1000.0) * off[:, column]))
     if not left:
         return None
-    with picture_style():
+    with style.picture_style():
         columns = min(len(left), 2)
         rows = -(-len(left) // columns)
-        figure = new_figure(5.0 + 2.0 * columns, 2.7 * rows)
+        figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
         grid = GridSpec(
             rows, columns, figure,
             left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
@@ -96,48 +85,27 @@ def residual_page(found: Comparison) -> Figure | None:
         for number, (label, theta, off) in enumerate(left):
             axes = figure.add_subplot(grid[number // columns, number % columns])
             axes.axhline(0.0, color=QUIET, linewidth=0.9)
-            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, "o", **_DOTS)
+            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, marker="o", **style.DOTS)
             bins = turn_bins(Theta0Pairs(theta, theta + off))
             if bins.centre.size >= FEWEST_MEDIANS:
                 axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
-            degree_axis(axes, "θ0, orientation before the push (°)")
+            style.degree_axis(axes, "θ0, orientation before the push (°)")
             axes.set_ylabel(label)
     return figure
 
 
-def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> None:
-    turn, histogram, staircase = panels
-    assert found.cycle is not None and found.data.pairs is not None
-    draw_turn(turn, curve, ())
-    draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-    turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
-    legend_above(turn)
-    _draw_histograms(histogram, found.orientations)
-    _draw_stairs(staircase, found.data.path, found.staircase)
-
-
 def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
     axes.set_title("Directions", pad=TITLE_PAD)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("probability per degree")
     if found is None:
-        say(axes, "order of the pushes unknown")
+        style.say(axes, "order of the pushes unknown")
         return
-    draw_measured_histogram(axes, found.measured)
-    heights, edges = PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
+    map_panels.draw_measured_histogram(axes, found.measured)
+    heights, edges = map_panels.PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
     axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
     axes.set_ylim(bottom=0.0)
-    legend_above(axes)
-
-
-def _draw_stairs(axes: Axes, path: NDArray[np.float64] | None, found: StaircaseAgreement | None) -> None:
-    axes.set_title("Staircase", pad=TITLE_PAD)
-    if path is None or found is None:
-        say(axes, "order of the pushes unknown")
-        return
-    draw_staircase(axes, found.run, path)
-    axes.set_xlabel("cycle of the compared path")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
@@ -146,10 +114,14 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     theta = np.degrees(np.mod(largest.theta, 2 * np.pi))
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
         scale = _scale(quantity)
-        axes.plot(theta, scale * largest.measured[:, column], "o", label="measured", zorder=2, **_DOTS)
+        axes.plot(theta, scale * largest.measured[:, column], marker="o", label="measured", zorder=2, **style.DOTS)
         predicted = scale * largest.predicted[:, column]
         axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
-        _name_push_panel(axes, quantity)
+        symbol, label = _LABELS[quantity.name]
+        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        axes.set_ylabel(label)
+        axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
+        style.legend_above(axes)
 
 
 def _draw_sets(panels: list[Axes], found: Comparison) -> None:
@@ -158,24 +130,18 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
         scale, (symbol, label) = _scale(quantity), _LABELS[quantity.name]
         for one in found.pushes:
-            axes.plot(scale * one.predicted[:, column], scale * one.measured[:, column], "o", zorder=2, **_DOTS)
+            axes.plot(
+                scale * one.predicted[:, column], scale * one.measured[:, column], marker="o", zorder=2, **style.DOTS
+            )
         axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.6, label="as predicted", zorder=3)
         axes.set(xlabel=f"predicted {label}", ylabel=f"measured {label}")
         unit = "°" if quantity.name == "dtheta" else " mm"
         axes.set_title(f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}", pad=TITLE_PAD)
-        legend_above(axes)
+        style.legend_above(axes)
 
 
 def _scale(quantity: QuantityAgreement) -> float:
     return float(np.degrees(1.0)) if quantity.name == "dtheta" else 1000.0
-
-
-def _name_push_panel(axes: Axes, quantity: QuantityAgreement) -> None:
-    symbol, label = _LABELS[quantity.name]
-    degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set_ylabel(label)
-    axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
-    legend_above(axes)
 
 
 def headline(name: str, found: Comparison) -> str:
@@ -217,14 +183,6 @@ def summary_sentence(found: Comparison) -> str:
     groups = {"Agree": True, "Do not agree": False, "Open": None}
     listed = {word: [one.question for one in found.verdicts if one.agrees is answer] for word, answer in groups.items()}
     return " ".join(f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions)
-
-
-def noise_words(found: Comparison) -> str:
-    """What is simulated."""
-    model = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}.get(found.prediction.kind, "fit")
-    if found.cycle is None:
-        return f"predicted by the {model}"
-    return f"predicted by the {model} with {angle(found.cycle.noise)} of noise a cycle"
 
 
 def explanation_sentences(name: str, found: Comparison) -> list[str]:

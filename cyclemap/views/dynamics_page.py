@@ -1,7 +1,7 @@
 """Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they differ over θ0."""
 
 import math
-from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,9 +11,8 @@ from matplotlib.ticker import MultipleLocator
 
 from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, legend_above, new_figure, picture_style
+from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, legend_above, new_figure, picture_style, write_page
 
-LINE_LETTERS = 175
 THETA0 = "θ0 (°)"
 # Name, colour, marker of each turn that is compared.
 _TURNS = (
@@ -30,16 +29,29 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         figure = new_figure()
         grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
         turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
-        _draw_turns(turns, material, isotropic)
+        for comparison, isotropic_law in ((material, False), (isotropic, True)):
+            law = "isotropic" if isotropic_law else "material"
+            theta = np.degrees(comparison.dynamic.theta)
+            still = np.degrees(comparison.quasi_static.theta_next) - theta
+            # A curve through one orientation needs a marker, over the dot, to be seen.
+            alone = theta.size == 1
+            dash = ("--" if isotropic_law else "-") + "x" * alone
+            on = 4 if alone else 2
+            turns.plot(theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on)
+            moved = np.degrees(comparison.dynamic.theta_next) - theta
+            look: dict[str, Any] = {"markerfacecolor": "white" if isotropic_law else PREDICTED, "markersize": 4.5}
+            turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", zorder=3, **look)
+        turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
+        turns.xaxis.set_major_locator(MultipleLocator(60.0))
+        turns.set_title("Turn of push and drag", pad=36.0)
+        legend_above(turns, columns=2)
         draw_turn_differences(differences, material, isotropic)
         draw_place_differences(places, material, isotropic)
         name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
         title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
-        told = [fill(difference_sentence(one), LINE_LETTERS) for one in (material, isotropic)]
-        figure.text(0.015, 0.925, "\n".join(told), fontsize=10, va="top", linespacing=1.35)
+        told = [difference_sentence(one) for one in (material, isotropic)]
         foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
-        figure.text(0.015, 0.02, f"{foot}; both models stand on the same support points", fontsize=8, color=QUIET)
+        write_page(figure, title, told, f"{foot}; both models stand on the same support points")
     return figure
 
 
@@ -76,28 +88,6 @@ def draw_place_differences(axes: Axes, material: DynamicsComparison, isotropic: 
             difference = 1e3 * comparison.difference("push_displacement")[..., column]
             _draw_curve(axes, comparison, difference, colour, marker, isotropic_law, label)
     _finish(axes, "dynamic − quasi-static (mm)", "Difference of the displacement")
-
-
-def _draw_turns(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
-    for comparison, isotropic_law in ((material, False), (isotropic, True)):
-        name = "isotropic" if isotropic_law else "material"
-        theta = np.degrees(comparison.dynamic.theta)
-        still = np.degrees(comparison.quasi_static.theta_next) - theta
-        # A curve through one orientation needs a marker, over the dot, to be seen.
-        alone = theta.size == 1
-        style = ("--" if isotropic_law else "-") + "x" * alone
-        axes.plot(
-            theta, still, style, color=QUIET, linewidth=1.4, label=f"{name}, quasi-static", zorder=4 if alone else 2
-        )
-        moved = np.degrees(comparison.dynamic.theta_next) - theta
-        face = "white" if isotropic_law else PREDICTED
-        axes.plot(
-            theta, moved, "o", color=PREDICTED, markerfacecolor=face, markersize=4.5, label=f"{name}, dynamic", zorder=3
-        )
-    axes.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
-    axes.xaxis.set_major_locator(MultipleLocator(60.0))
-    axes.set_title("Turn of push and drag", pad=36.0)
-    legend_above(axes, columns=2)
 
 
 def _draw_curve(

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style, unwrapped_axis
+from cyclemap.views.style import FORCE, PREDICTED, legend_above, new_figure, picture_style, unwrapped_axis, write_page
 
 MM = 1e3
 # Points between a panel and its title: a row of a legend.
@@ -30,12 +30,9 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
             draw_object_frame(body, run, f"{name}: object's frame")
             draw_course(course, run, f"{name}: θ0 over the cycles")
         title = f"Batches of cycles on {experiment.loop.material.name}"
-        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
-        figure.text(0.015, 0.925, experiment_headline(experiment), fontsize=10, va="top")
-        figure.text(0.015, 0.898, spread_sentence(experiment), fontsize=9, va="top")
-        figure.text(0.015, 0.873, isotropic_sentence(experiment), fontsize=9, va="top")
+        told = experiment_headline(experiment), spread_sentence(experiment), isotropic_sentence(experiment)
         foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
-        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+        write_page(figure, title, told, foot)
     return figure
 
 
@@ -90,8 +87,23 @@ def _draw_paths(axes: Axes, paths: Array, x_label: str, y_label: str) -> None:
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:
-    """Where the batches end on the material, and how soon."""
-    return _ends(experiment.anisotropic, experiment.cycles)
+    """Where the batches end on the material, and how soon; of batches that end nowhere how far they still turn."""
+    run, cycles = experiment.anisotropic, _count(experiment.cycles, "cycle")
+    count, directions = len(run.theta), run.directions()
+    if not directions:
+        # Of small steps also why they are no rest.
+        step = float(run.last_step.max())
+        turned = f"{angle(step, 2)}{', and such steps do not soon die out' if step <= 0.1 * WITHIN else ''}."
+        if count == 1:
+            return f"The batch does not come to rest in {cycles}: the last cycle still turns it by {turned}"
+        return f"Not every batch comes to rest in {cycles}: the last cycle still turns one by {turned}"
+    after = _count(int(run.settled_after().max()), "cycle")
+    soon = f"within 1° of it for good after {'' if count == 1 else 'at most '}{after}"
+    if len(directions) == 1:
+        who = "The batch ends" if count == 1 else f"All {count} batches end"
+        return f"{who} at {angle(directions[0])}, {soon}."
+    places = ", ".join(angle(direction) for direction in directions)
+    return f"The {count} batches end at {len(directions)} directions ({places}), {soon.replace('of it', 'of them')}."
 
 
 def isotropic_sentence(experiment: BatchExperiment) -> str:
@@ -128,32 +140,6 @@ def length(metres: float) -> str:
     ('12.3 mm', '0.42 µm', '0.001 µm')
     """
     return f"{1e3 * metres:.1f} mm" if metres >= 1e-4 else f"{max(1e6 * metres, 1e-3):.2g} µm"
-
-
-def _ends(run: BatchRun, cycles: int) -> str:
-    count, directions = len(run.theta), run.directions()
-    who = "The batch ends" if count == 1 else f"All {count} batches end"
-    if not directions:
-        return _moving(run, cycles)
-    most = int(run.settled_after().max())
-    at_most = "" if count == 1 else "at most "
-    soon = f"within 1° of it for good after {at_most}{_count(most, 'cycle')}"
-    if len(directions) == 1:
-        return f"{who} at {angle(directions[0])}, {soon}."
-    places = ", ".join(angle(direction) for direction in directions)
-    return f"The {count} batches end at {len(directions)} directions ({places}), {soon.replace('of it', 'of them')}."
-
-
-def _moving(run: BatchRun, cycles: int) -> str:
-    """Batches that end nowhere; of small steps also why they are no rest."""
-    step = float(run.last_step.max())
-    slow = ", and such steps do not soon die out" if step <= 0.1 * WITHIN else ""
-    turned = f"{angle(step, 2)}{slow}."
-    if len(run.theta) == 1:
-        return (
-            f"The batch does not come to rest in {_count(cycles, 'cycle')}: the last cycle still turns it by {turned}"
-        )
-    return f"Not every batch comes to rest in {_count(cycles, 'cycle')}: the last cycle still turns one by {turned}"
 
 
 def _count(number: int, noun: str, plural: str = "s") -> str:

@@ -9,27 +9,13 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
+from cyclemap.collection.fingerprint_check import PredictionCheck
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
 from cyclemap.collection.portrait_curves import turn_curve
-from cyclemap.maps import CircleMap, Orbit
+from cyclemap.maps import CircleMap
+from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    orbit_marker,
-    picture_style,
-    stability,
-    write_page,
-)
+from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 _ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
@@ -42,8 +28,8 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         grid = GridSpec(
             2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
             hspace=0.62,
@@ -53,7 +39,19 @@ def fingerprint_page(
         draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
         if prediction is not None:
             draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
-        _write_words(figure, found, prediction, checked, name)
+        title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
+        told = [protocol_sentence(found)]
+        if prediction is not None:
+            told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+            told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+        if checked is not None:
+            told.append(check_sentence(checked))
+        numbers = "   ".join(
+            f"{symbol} {value}°"
+            for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
+        )
+        foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+        style.write_page(figure, title, told, foot, top=0.925, letters=170)
     return figure
 
 
@@ -66,9 +64,9 @@ def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     axes.set_title("Answer to 1 % of ellipticity" if ellipse else "Answer to 1 % of offset")
     seen = "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
-    degree_axis(axes, f"orientation {seen}")
+    style.degree_axis(axes, f"orientation {seen}")
     axes.set_ylabel("change of turn (°)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
@@ -76,15 +74,8 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
     turn, error = prediction.turn(_ANGLES), prediction.turn_error(_ANGLES)
     degrees = np.degrees(_ANGLES)
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    axes.fill_between(
-        degrees,
-        np.degrees(turn - error),
-        np.degrees(turn + error),
-        color=PREDICTED_FILL,
-        linewidth=0.0,
-        label="its error",
-        zorder=1,
-    )
+    low, high = np.degrees(turn - error), np.degrees(turn + error)
+    axes.fill_between(degrees, low, high, color=PREDICTED_FILL, linewidth=0.0, label="its error", zorder=1)
     axes.plot(degrees, np.degrees(turn), color=PREDICTED, linewidth=2.2, label="first order", zorder=4)
     second = np.degrees(prediction.second_order_turn(_ANGLES))
     axes.plot(degrees, second, color=INK, linewidth=1.0, linestyle="--", label="second order", zorder=5)
@@ -92,12 +83,17 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
         label = None if index else "full map"
         axes.plot(np.degrees(theta), np.degrees(whole), color=MEASURED, linewidth=3.0, label=label, zorder=3)
     for direction in prediction.directions:
-        _draw_direction(axes, direction.orbit)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+        place, kind = float(np.degrees(direction.orbit.points[0])), style.stability(direction.orbit)
+        axes.plot(place, 0.0, **style.orbit_marker(kind))
+        # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
+        left = place > 290.0
+        above = direction.orbit.stable != left
+        style.name_beside(axes, place, 0.0, f"{place:.1f}° {kind}", (-8 if left else 8, 8 if above else -16))
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
     axes.set_title("Turn of one cycle")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -107,52 +103,10 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
     return np.degrees(_ANGLES), np.degrees(0.01 * turn)
 
 
-def _draw_direction(axes: Axes, orbit: Orbit) -> None:
-    place, kind = float(np.degrees(orbit.points[0])), stability(orbit)
-    axes.plot(place, 0.0, **orbit_marker(kind))
-    # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
-    left = place > 290.0
-    above = orbit.stable != left
-    axes.annotate(
-        f"{place:.1f}° {kind}",
-        (place, 0.0),
-        xytext=(-8 if left else 8, 8 if above else -16),
-        textcoords="offset points",
-        ha="right" if left else "left",
-        fontsize=8,
-        zorder=7,
-        bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-    )
-
-
-def _write_words(
-    figure: Figure, found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
-) -> None:
-    title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
-    told = [protocol_sentence(found)]
-    if prediction is not None:
-        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
-        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
-    if checked is not None:
-        told.append(check_sentence(checked))
-    numbers = "   ".join(
-        f"{symbol} {value}°"
-        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
-    )
-    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-    write_page(figure, title, told, foot, top=0.925, letters=170)
-
-
 def five_numbers(response: TurnResponse) -> tuple[str, ...]:
     """Ω, A₁, δ₁, A₂, δ₂ in degrees, as text with three decimals."""
-    values = (
-        response.turn,
-        response.offset_amplitude,
-        response.offset_phase,
-        response.ellipse_amplitude,
-        response.ellipse_phase,
-    )
-    return tuple(f"{math.degrees(value):.3f}".replace("-", "−") for value in values)
+    names = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
 
 
 def protocol_sentence(found: Fingerprint) -> str:
@@ -219,7 +173,13 @@ def check_sentence(checked: PredictionCheck) -> str:
     if not checked.stable_points:
         return "The full map has no stable direction."
     places = [f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})" for orbit in checked.stable_points]
-    misses = [_miss(direction) for direction in checked.directions if direction.predicted.stable]
+    misses = [
+        "It has no such direction as predicted."
+        if one.full is None
+        else f"The prediction is {angle(one.miss)} off, {'within' if one.within_error else 'beyond'} its error."
+        for one in checked.directions
+        if one.predicted.stable
+    ]
     return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
 
 
@@ -236,10 +196,3 @@ def _signed(value: float) -> str:
 
 def _doubt(prediction: Prediction, verdict: str) -> str:
     return "" if prediction.verdict == verdict else ", but the error leaves open whether it locks at all"
-
-
-def _miss(checked: CheckedDirection) -> str:
-    if checked.full is None:
-        return "It has no such direction as predicted."
-    within = "within" if checked.within_error else "beyond"
-    return f"The prediction is {angle(checked.miss)} off, {within} its error."

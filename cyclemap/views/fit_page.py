@@ -17,24 +17,10 @@ from cyclemap.evidence import LawBand
 from cyclemap.evidence.pushes.theta0_statistics import is_covered
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, TurnPace, WornForecast
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.views import style
 from cyclemap.views.fit_sentences import SIGNS, set_sentences
 from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    orbit_marker,
-    picture_style,
-    say,
-    stability,
-    write_tall_page,
-)
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
 FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
@@ -56,16 +42,23 @@ def fit_page(fit: SetFit) -> Figure:
     rows = [row for row in _panels(fit) if row]
     if not rows:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
-    with picture_style():
-        figure = new_figure(16.0, 9.6)
+    with style.picture_style():
+        figure = style.new_figure(16.0, 9.6)
         foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
-        top = write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
+        top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
         if len(rows) == 1 and len(rows[0]) > 2:
             half = (len(rows[0]) + 1) // 2
             rows = [rows[0][:half], rows[0][half:]]
         height = (top - FOOT) / len(rows)
         for number, row in enumerate(rows):
-            _draw_row(figure, row, top - number * height, height)
+            # Draw panels side by side in this part of the page, with room for titles above and labels below them.
+            upper = top - number * height
+            ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
+            grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
+            for column, (title, draw) in enumerate(row):
+                axes = figure.add_subplot(grid[0, column])
+                draw(axes)
+                axes.set_title(title, pad=TITLE_PAD)
     return figure
 
 
@@ -87,30 +80,19 @@ def _panels(fit: SetFit) -> tuple[list[Panel], list[Panel]]:
     return pushes, cycles
 
 
-def _draw_row(figure: Figure, row: list[Panel], top: float, height: float) -> None:
-    """Draw panels side by side in this part of the page, with room for titles above and labels below them."""
-    ends = {"top": top - TITLES, "bottom": top - height + BELOW, "left": 0.045, "right": 0.985}
-    grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
-    for column, (title, draw) in enumerate(row):
-        axes = figure.add_subplot(grid[0, column])
-        draw(axes)
-        axes.set_title(title, pad=TITLE_PAD)
-
-
 def draw_law(axes: Axes, law: MotionLaw) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
     scale = SCALES[law.quantity]
     _draw_dots(axes, law.theta, scale * law.value)
     if law.law is None:
-        say(axes, "no law")
+        style.say(axes, "no law")
     else:
-        band = _where_measured(law.law.band(CIRCLE), law.theta)
-        _draw_band(axes, band, scale, PREDICTED_FILL, "95 % of pushes")
-        _draw_mean(axes, band, scale, PREDICTED, "law, 95 % band of its mean", "-")
-        _keep_to(axes, _bulk(scale * law.value), [scale * band.lower, scale * band.upper])
-    degree_axis(axes, THETA0)
+        labels = ("95 % of pushes", "law, 95 % band of its mean")
+        bands = _draw_band(axes, law.law.band(CIRCLE), law.theta, scale, PREDICTED_FILL, PREDICTED, "-", labels)
+        _keep_to(axes, scale * law.value, bands)
+    style.degree_axis(axes, THETA0)
     axes.set_ylabel(LABELS[law.quantity])
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
@@ -118,21 +100,18 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     turns = np.degrees(found.pairs.turn)
     _draw_dots(axes, found.pairs.theta, turns)
-    edges, worn = [], found.fitted.wear
+    edges, worn = list[Array](), found.fitted.wear
     states = [(found.early, PREDICTED_FILL, PREDICTED, "-"), (found.late, LATE_FILL, INK, "--")]
     for state, colour, line, dash in states if found.wears else states[:1]:
         law = found.fitted.law if worn is None else worn.at(state.cycle)
-        band = _where_measured(law.band(CIRCLE), found.pairs.theta)
-        name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
-        _draw_band(axes, band, SCALES["dtheta"], colour, None if found.wears else "95 % of pushes")
-        _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
+        labels = (None, f"push {state.cycle:.0f}") if found.wears else ("95 % of pushes", "fitted map")
+        edges += _draw_band(axes, law.band(CIRCLE), found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels)
         for orbit in state.fixed_points:
-            axes.plot(np.degrees(orbit.points[0]), 0.0, **orbit_marker(stability(orbit)))
-        edges += [np.degrees(band.lower), np.degrees(band.upper)]
-    _keep_to(axes, _bulk(turns), edges)
-    degree_axis(axes, THETA0)
+            axes.plot(np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit)))
+    _keep_to(axes, turns, edges)
+    style.degree_axis(axes, THETA0)
     axes.set_ylabel("turn of one cycle (°)")
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
@@ -146,7 +125,7 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
     axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3)
     axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)))
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_directions(axes: Axes, forecast: WornForecast) -> None:
@@ -155,9 +134,9 @@ def draw_directions(axes: Axes, forecast: WornForecast) -> None:
     density, edges = PER_DEGREE * forecast.histogram.density, np.degrees(forecast.histogram.edges)
     axes.stairs(density, edges, color=PREDICTED, linewidth=1.6, label="fitted map", zorder=4)
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
-    degree_axis(axes, THETA0)
+    style.degree_axis(axes, THETA0)
     axes.set_ylabel("probability per degree")
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
@@ -167,7 +146,7 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
         np.arange(lower.size), lower, upper, color=PREDICTED_FILL, linewidth=0, label="95 % of paths", zorder=1
     )
     draw_staircase(axes, forecast.run, forecast.measured)
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
@@ -186,13 +165,7 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
     axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
-    legend_above(axes, columns=2)
-
-
-def _where_measured(band: LawBand, theta: Array) -> LawBand:
-    """The band with gaps where no orientation was measured."""
-    hidden = np.where(is_covered(theta, CIRCLE), 0.0, np.nan)
-    return replace(band, centre=band.centre + hidden)
+    style.legend_above(axes, columns=2)
 
 
 def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
@@ -200,29 +173,23 @@ def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
     axes.plot(np.degrees(np.mod(theta, 2 * np.pi)), value, "o", label="measured", zorder=2, **look)
 
 
-def _draw_band(axes: Axes, band: LawBand, scale: float, fill: str, label: str | None) -> None:
-    theta = np.degrees(band.theta)
-    axes.fill_between(
-        theta, scale * band.lower, scale * band.upper, color=fill, alpha=0.75, linewidth=0, label=label, zorder=1
-    )
+def _draw_band(
+    axes: Axes, band: LawBand, theta: Array, scale: float, fill: str, line: str, dash: str,
+    labels: tuple[str | None, str],
+) -> list[Array]:  # fmt: skip
+    """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the wider band's ends."""
+    band = replace(band, centre=band.centre + np.where(is_covered(theta, CIRCLE), 0.0, np.nan))
+    around, low, high = np.degrees(band.theta), scale * band.lower, scale * band.upper
+    axes.fill_between(around, low, high, color=fill, alpha=0.75, linewidth=0, label=labels[0], zorder=1)
+    ends, low, high = [low, high], scale * band.mean_lower, scale * band.mean_upper
+    axes.fill_between(around, low, high, color=line, alpha=0.35, linewidth=0, zorder=3)
+    axes.plot(around, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=labels[1], zorder=4)
+    return ends
 
 
-def _draw_mean(axes: Axes, band: LawBand, scale: float, line: str, label: str, dash: str) -> None:
-    theta = np.degrees(band.theta)
-    axes.fill_between(
-        theta, scale * band.mean_lower, scale * band.mean_upper, color=line, alpha=0.35, linewidth=0, zorder=3
-    )
-    axes.plot(theta, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=label, zorder=4)
-
-
-def _bulk(value: Array) -> Array:
-    """The ends of what all but one in 200 values reach: a stray push does not set the scale."""
-    return np.asarray(np.quantile(value, [0.005, 0.995]))
-
-
-def _keep_to(axes: Axes, dots: Array, bands: list[Array]) -> None:
-    """Show the dots, and bands as far as they leave these no less than a third of the panel."""
-    low, high = float(np.min(dots)), float(np.max(dots))
-    reach, values = high - low or 1.0, np.concatenate(bands)
-    low, high = max(low - reach, min(low, float(np.nanmin(values)))), min(high + reach, max(high, np.nanmax(values)))
+def _keep_to(axes: Axes, values: Array, bands: list[Array]) -> None:
+    """Show all but one in 200 dots, and bands as far as they leave these no less than a third of the panel."""
+    low, high = np.quantile(values, [0.005, 0.995]).tolist()
+    reach, ends = high - low or 1.0, np.concatenate(bands)
+    low, high = max(low - reach, min(low, float(np.nanmin(ends)))), min(high + reach, max(high, np.nanmax(ends)))
     axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))

@@ -4,16 +4,9 @@ import math
 
 import numpy as np
 
-from cyclemap.arrays import Array
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
-from cyclemap.evidence.tables.measured_cycle_map import (
-    FEWEST_FOR_WEAR,
-    MapState,
-    MeasuredCycleMap,
-    TurnPlace,
-    WornForecast,
-)
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.evidence.tables.measured_cycle_map import FEWEST_FOR_WEAR, MapState, MeasuredCycleMap, TurnPlace
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit
 from cyclemap.views.sentences import angle, number
 
 SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
@@ -27,8 +20,13 @@ def set_sentences(fit: SetFit) -> list[str]:
     """All that is to be said of a set, in order."""
     said = [count_sentence(fit)]
     said += [law_sentence(law) for law in fit.laws.laws if law.law is not None]
-    if fit.histogram is not None:
-        said.append(histogram_sentence(fit.histogram))
+    if (found := fit.histogram) is not None:
+        chance = f"chance alone makes up to {_share(found.chance_total_variation)}"
+        said.append(
+            f"The histogram of Δθ that the law predicts with its scatter has {_share(found.total_variation)} of the "
+            f"pushes in other bins than measured ({chance}), {angle(found.distance, 2)} away on average; without "
+            f"scatter {_share(found.law_alone_total_variation)}, {angle(found.law_alone_distance, 2)}."
+        )
     if fit.cycle_map is None:
         return [*said, f"No cycle map: {fit.map_problem}."]
     return said + map_sentences(fit.cycle_map)
@@ -42,17 +40,12 @@ def count_sentence(fit: SetFit) -> str:
     left = {} if pushes.pairs is None or not pushes.pairs.dropped_count else pushes.pairs.dropped
     reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
     dropped = f" ({reasons})" if reasons else ""
-    return f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.{_cover(pushes.theta)}"
-
-
-def _cover(theta: Array) -> str:
-    """Which orientations were measured, where these are not all."""
-    arcs = covered_arcs(theta)
+    told, arcs = f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.", covered_arcs(pushes.theta)
     if arcs == ((0.0, 2 * np.pi),):
-        return ""
+        return told
     size = angle(sum(high - low for low, high in arcs), 0)
-    told = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
-    return f" θ0 covers {size} of the circle ({_listed(told)}); nothing is said of the rest."
+    where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
+    return f"{told} θ0 covers {size} of the circle ({_listed(where)}); nothing is said of the rest."
 
 
 def law_sentence(law: MotionLaw) -> str:
@@ -75,25 +68,33 @@ def amount(law: MotionLaw, value: float) -> str:
     return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
 
 
-def histogram_sentence(histogram: TurnHistogram) -> str:
-    """How far the predicted histogram of Δθ is from the measured one, and how far chance alone takes it."""
-    chance = f"chance alone makes up to {_share(histogram.chance_total_variation)}"
-    return (
-        f"The histogram of Δθ that the law predicts with its scatter has {_share(histogram.total_variation)} of the "
-        f"pushes in other bins than measured ({chance}), {angle(histogram.distance, 2)} away on average; without "
-        f"scatter {_share(histogram.law_alone_total_variation)}, {angle(histogram.law_alone_distance, 2)}."
-    )
-
-
 def map_sentences(found: MeasuredCycleMap) -> list[str]:
     """The cycle map: its law, where it holds or is slow, and what it foretells."""
-    said = [order_sentence(found), place_sentence(found)]
-    if found.forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
+    said, forecast = [order_sentence(found), place_sentence(found)], found.forecast
+    if forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
         return [*said, "The order of the pushes is unknown: no wear, no staircase."]
-    if found.forecast is None:
+    if forecast is None:
         return [*said, "Its paths leave the orientations that were measured: no staircase is foretold."]
-    said += [turns_sentence(found.forecast), pace_sentence(found.forecast), peak_sentence(found.forecast)]
-    return said
+    spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
+    jumps = forecast.left_out_turns
+    left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
+    since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
+    said.append(f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted.")
+    pace, steps = forecast.pace, []
+    for name, end in (("first", 0), ("last", -1))[: min(pace.measured.size, 2)]:
+        middle, *ends = (
+            number(value[end]) if math.isfinite(value[end]) else "longer than followed"
+            for value in (pace.predicted, pace.lower, pace.upper)
+        )
+        told = f"the {name} full turn took {pace.measured[end]:.0f} pushes, predicted {middle} ({' to '.join(ends)})"
+        steps.append(told)
+    share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
+    said.append(f"Of the steps, {'; '.join(steps)}; {share}." if steps else "No full turn was measured.")
+    measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
+    chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
+    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
+    most = f"θ0 was recorded most often at {measured}, predicted {predicted}"
+    return [*said, f"{most}; the histograms are {apart}."]
 
 
 def order_sentence(found: MeasuredCycleMap) -> str:
@@ -118,38 +119,6 @@ def place_sentence(found: MeasuredCycleMap) -> str:
         return f"{told[0].upper()}{told[1:]}."
     early, late = (f"push {state.cycle:.0f}" for state in (found.early, found.late))
     return f"At {early} {_places(found.early)}. At {late} {_places(found.late)}."
-
-
-def turns_sentence(forecast: WornForecast) -> str:
-    """Turns measured and predicted in the last three quarters."""
-    spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
-    jumps = forecast.left_out_turns
-    left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
-    since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
-    return f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted."
-
-
-def pace_sentence(forecast: WornForecast) -> str:
-    """Pushes a full turn, early and late, measured and predicted."""
-    pace = forecast.pace
-    if not pace.measured.size:
-        return "No full turn was measured."
-    ends = (0, -1) if pace.measured.size > 1 else (0,)
-    told = [
-        f"the {'first' if end == 0 else 'last'} full turn took {pace.measured[end]:.0f} pushes, predicted "
-        f"{_pushes(pace.predicted[end])} ({_pushes(pace.lower[end])} to {_pushes(pace.upper[end])})"
-        for end in ends
-    ]
-    share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
-    return f"Of the steps, {'; '.join(told)}; {share}."
-
-
-def peak_sentence(forecast: WornForecast) -> str:
-    """The highest bin of the histogram of directions, measured and predicted, and how far the two are apart."""
-    measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
-    chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
-    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
-    return f"θ0 was recorded most often at {measured}, predicted {predicted}; the histograms are {apart}."
 
 
 def _peak(histogram: AngleHistogram) -> str:
@@ -191,10 +160,6 @@ def _at_limit(found: MeasuredCycleMap) -> bool:
         return scores is not None and scores.chosen == int(scores.orders[-1]) > 0
     tried = 1 if worn.rmse_by_order is None else int(worn.rmse_by_order.shape[1])
     return 1 < tried == worn.harmonics + 1
-
-
-def _pushes(value: float) -> str:
-    return number(value) if math.isfinite(value) else "longer than followed"
 
 
 def _share(value: float) -> str:

@@ -16,20 +16,9 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.identification.identify import Estimate, Identification
 from cyclemap.evidence.identified_curves import CycleFit, Derived, IdentifiedCurves, StrokeFit
 from cyclemap.evidence.identified_material import misfit_words, readable_kind, readable_unit
+from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
-    write_tall_page,
-)
+from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET
 
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
@@ -39,75 +28,50 @@ MOST_INTERVALS = 13
 # Errors that differ by less than this are as large.
 WORSE = 1.01
 Panel = tuple[str, Callable[[Axes], None]]
-_DOTS: dict[str, Any] = {
-    "color": MEASURED,
-    "markersize": 3.5,
-    "alpha": 0.55,
-    "markeredgecolor": MEASURED_EDGE,
-    "markeredgewidth": 0.3,
-    "linestyle": "none",
-}
+_DOTS: dict[str, Any] = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
 
 
 def identify_page(title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]) -> Figure:
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the page takes."""
-    panels = _panels(curves)
+    panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     if len(found.plates) > 1:
-        panels.insert(1, ("How the weight rests", partial(draw_shares, plates=found.plates)))
-    with picture_style():
-        figure = new_figure(16.0, 9.6)
+        panels.append(("How the weight rests", partial(draw_shares, plates=found.plates)))
+
+    def named(fit: CycleFit | StrokeFit, what: str) -> str:
+        return f"{fit.name[:1].upper()}{fit.name[1:]}: {what}"
+
+    panels += [(named(fit, "map"), partial(draw_cycles, fit=fit)) for fit in curves.cycles]
+    panels += [(named(fit, "turns"), partial(draw_turns, fit=fit)) for fit in curves.strokes]
+    places = [(fit, fit.errors) for fit in curves.strokes if fit.errors is not None]
+    panels += [(named(fit, "places"), partial(draw_places, errors=errors)) for fit, errors in places]
+    with style.picture_style():
+        figure = style.new_figure(16.0, 9.6)
         undrawn = len(panels) - MOST_PANELS
         more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
         foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-        top = write_tall_page(figure, title, words, foot, size=13.0)
-        rows, columns = _layout(min(len(panels), MOST_PANELS) + 1)
+        top = style.write_tall_page(figure, title, words, foot, size=13.0)
+        count = min(len(panels), MOST_PANELS) + 1
+        rows, columns = (1, count) if count <= 3 else (2, 2) if count == 4 else (-(-count // 3), 3)
         ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
         grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
-        _draw_intervals(figure, grid, found)
+        shared = tuple(one for one in found.estimates if "[" not in one.name)
+        estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
+        lines = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
+        box = grid[0, -1].get_position(figure)
+        whose = "" if len(estimates) == len(found.estimates) else " of all plates"
+        heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
+        figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
+        for number, one in enumerate(estimates):
+            line = figure.add_subplot(lines[number, 0])
+            draw_interval(line, one)
+            place = line.get_position()
+            line.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
         cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) != (0, columns - 1)]
         for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
             axes = figure.add_subplot(grid[cell])
             draw(axes)
             axes.set_title(name, pad=TITLE_PAD)
     return figure
-
-
-def _layout(cells: int) -> tuple[int, int]:
-    """Rows and columns for so many cells."""
-    if cells <= 3:
-        return 1, cells
-    return (2, 2) if cells == 4 else (-(-cells // 3), 3)
-
-
-def _panels(curves: IdentifiedCurves) -> list[Panel]:
-    panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
-    panels += [(f"{_title(fit.name)}: map", partial(draw_cycles, fit=fit)) for fit in curves.cycles]
-    panels += [(f"{_title(fit.name)}: turns", partial(draw_turns, fit=fit)) for fit in curves.strokes]
-    panels += [
-        (f"{_title(fit.name)}: places", partial(draw_places, errors=fit.errors))
-        for fit in curves.strokes
-        if fit.errors is not None
-    ]
-    return panels
-
-
-def _title(name: str) -> str:
-    return name[:1].upper() + name[1:]
-
-
-def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> None:
-    shared = tuple(one for one in found.estimates if "[" not in one.name)
-    estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
-    rows = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
-    box = grid[0, -1].get_position(figure)
-    whose = "" if len(estimates) == len(found.estimates) else " of all plates"
-    heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
-    figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
-    for number, one in enumerate(estimates):
-        axes = figure.add_subplot(rows[number, 0])
-        draw_interval(axes, one)
-        place = axes.get_position()
-        axes.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
 
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
@@ -125,7 +89,7 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     unit = "" if curves.sized else ", size not told by motions"
     axes.set(xlabel=f"friction coefficient along x{unit}", ylabel="along y")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
@@ -139,7 +103,7 @@ def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
         left += size
     axes.barh(names, 100.0 - left, left=left, height=0.62, color=PREDICTED_FILL, label="even")
     axes.set(xlim=(0.0, 100.0), xlabel="share of the weight (%)")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def draw_turns(axes: Axes, fit: StrokeFit) -> None:
@@ -148,7 +112,7 @@ def draw_turns(axes: Axes, fit: StrokeFit) -> None:
     axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.4, label="equal", zorder=3)
     axes.plot(measured, predicted, marker="o", label="strokes", zorder=2, **_DOTS)
     axes.set(xlabel="measured turn (°)", ylabel="predicted turn (°)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
@@ -163,7 +127,7 @@ def draw_places(axes: Axes, errors: Array) -> None:
     axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_cycles(axes: Axes, fit: CycleFit) -> None:
@@ -176,9 +140,9 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     if fit.late is not None:
         late = np.degrees(fit.late)
         axes.plot(np.degrees(fit.grid), late, color=INK, linestyle="--", linewidth=1.4, label="at the end", zorder=4)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle (°)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_interval(axes: Axes, one: Estimate) -> None:
@@ -212,21 +176,29 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
 def headline(name: str, derived: Sequence[Derived]) -> str:
     """The friction ellipse as far as it is known: intervals, for no value is surer than its own."""
     known = {one.name: one for one in derived}
+
+    def interval(low: str, high: str) -> str:
+        return low if low == high else f"{low} to {high}"
+
+    def size(one: str, factor: float, decimals: int) -> str:
+        return interval(*(f"{factor * end:.{decimals}f}" for end in (known[one].lower, known[one].upper)))
+
+    def way(one: str, words: str) -> str:
+        if one not in known:
+            return ""
+        if not known[one].known:
+            return ", in any direction"
+        ends, whole = (known[one].lower, known[one].upper), math.floor((known[one].lower + math.pi) / TWO_PI)
+        return words.format(interval(*(angle(end - TWO_PI * whole, 0) for end in ends)))
+
     told = []
     if "axis_ratio" in known:
-        longer = _way(known, "axis_direction", " (longer along {})")
-        told.append(f"axes {_range(known['axis_ratio'], 1.0, 2)} : 1{longer}")
+        told.append(f"axes {size('axis_ratio', 1.0, 2)} : 1{way('axis_direction', ' (longer along {})')}")
     if "offset_size" in known:
-        towards = _way(known, "offset_direction", " towards {}")
-        told.append(f"centre {_range(known['offset_size'], 100.0, 1)} % off{towards}")
+        told.append(f"centre {size('offset_size', 100.0, 1)} % off{way('offset_direction', ' towards {}')}")
     if "mean_friction" in known:
-        told.append(f"mean friction {_range(known['mean_friction'], 1.0, 3)}")
+        told.append(f"mean friction {size('mean_friction', 1.0, 3)}")
     return f"{name}: friction ellipse with {', '.join(told)}" if told else f"{name}: friction taken as isotropic"
-
-
-def error_sentence(found: Identification) -> str:
-    """How far predictions lie from the data."""
-    return f"Predictions lie from the data by {misfit_words(found)}."
 
 
 def note_sentences(found: Identification) -> list[str]:
@@ -246,24 +218,6 @@ def worse_than_isotropic(found: Identification) -> list[str]:
 
 
 def page_sentences(found: Identification) -> list[str]:
-    """What is written on the page."""
-    return [f"Ranges are intervals of {100.0 * found.level:g} %.", error_sentence(found), *worse_than_isotropic(found)]
-
-
-def _range(one: Derived, factor: float, decimals: int) -> str:
-    return _between(f"{factor * one.lower:.{decimals}f}", f"{factor * one.upper:.{decimals}f}")
-
-
-def _between(low: str, high: str) -> str:
-    return low if low == high else f"{low} to {high}"
-
-
-def _way(known: dict[str, Derived], name: str, words: str) -> str:
-    """The interval of a direction in these words; that it may be any; nothing where it was not asked for."""
-    if name not in known:
-        return ""
-    way = known[name]
-    if not way.known:
-        return ", in any direction"
-    whole = TWO_PI * math.floor((way.lower + math.pi) / TWO_PI)
-    return words.format(_between(angle(way.lower - whole, 0), angle(way.upper - whole, 0)))
+    """What is written on the page: how far predictions lie from the data, and what they predict worse."""
+    errors = f"Predictions lie from the data by {misfit_words(found)}."
+    return [f"Ranges are intervals of {100.0 * found.level:g} %.", errors, *worse_than_isotropic(found)]

@@ -12,17 +12,8 @@ from cyclemap.arrays import Array
 from cyclemap.collection.portrait_curves import Cobweb, PortraitCurves, TurnCurve
 from cyclemap.collection.uncertain_directions import DirectionInterval
 from cyclemap.maps import Orbit
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    orbit_marker,
-    unwrapped_axis,
-)
+from cyclemap.views import style
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 if TYPE_CHECKING:
     from cyclemap.evidence import AngleHistogram, Theta0Pairs, TurnBins
@@ -49,8 +40,12 @@ def draw_turn(
     for jump in curve.jumps:
         place, ends = np.degrees(jump.theta), np.degrees([jump.before, jump.after])
         axes.plot([place, place], ends, color=PREDICTED, linewidth=1.0, linestyle=":", zorder=3)
-    _draw_fixed_points(axes, fixed_points)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    for orbit in fixed_points:
+        at = float(np.degrees(orbit.points[0]))
+        axes.plot(at, 0.0, **_marker(orbit))
+        name = f"{at:.1f}° {'stable' if orbit.stable else 'unstable'}"
+        style.name_beside(axes, at, 0.0, name, (7 if at < 290 else -7, 9 if orbit.stable else -16))
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 5, 6, 10]))
     axes.margins(y=0.12)
@@ -60,17 +55,8 @@ def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured pairs as light dots, and their medians by bin; the scale keeps to the medians."""
     theta = np.degrees(np.mod(pairs.theta, 2 * np.pi))
     axes.plot(theta, np.degrees(pairs.turn), ".", color=MEASURED, markersize=3, alpha=0.35, label="measured", zorder=1)
-    axes.plot(
-        np.degrees(bins.centre),
-        np.degrees(bins.median),
-        "s",
-        color=MEASURED,
-        markeredgecolor=MEASURED_EDGE,
-        markeredgewidth=0.7,
-        markersize=4.0,
-        label="5° medians",
-        zorder=2,
-    )
+    look: dict[str, Any] = {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.7, "markersize": 4.0, "zorder": 2}
+    axes.plot(np.degrees(bins.centre), np.degrees(bins.median), "s", color=MEASURED, label="5° medians", **look)
 
 
 def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> None:
@@ -91,25 +77,9 @@ def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> 
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
 
 
-def _draw_fixed_points(axes: Axes, fixed_points: tuple[Orbit, ...]) -> None:
-    for orbit in fixed_points:
-        place = float(np.degrees(orbit.points[0]))
-        axes.plot(place, 0.0, **_marker(orbit))
-        axes.annotate(
-            f"{place:.1f}° {'stable' if orbit.stable else 'unstable'}",
-            (place, 0.0),
-            xytext=(7, 9 if orbit.stable else -16),
-            textcoords="offset points",
-            ha="left" if place < 290 else "right",
-            fontsize=8,
-            zorder=6,
-            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-        )
-
-
 def _marker(orbit: Orbit) -> dict[str, Any]:
     kind = "stable" if orbit.stable else "unstable"
-    return {**orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
+    return {**style.orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
 
 
 def draw_density(axes: Axes, curves: PortraitCurves) -> None:
@@ -117,23 +87,15 @@ def draw_density(axes: Axes, curves: PortraitCurves) -> None:
     theta, density = np.degrees(curves.density_theta), PER_DEGREE * curves.density
     axes.fill_between(theta, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
     axes.plot(theta, density, color=PREDICTED, linewidth=1.8, label="predicted", zorder=3)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("probability per degree")
 
 
 def draw_measured_histogram(axes: Axes, histogram: AngleHistogram) -> None:
     """How often each direction was recorded."""
-    axes.stairs(
-        PER_DEGREE * histogram.density,
-        np.degrees(histogram.edges),
-        fill=True,
-        facecolor=MEASURED,
-        edgecolor=MEASURED_EDGE,
-        linewidth=0.6,
-        alpha=0.65,
-        label="measured",
-        zorder=2,
-    )
+    look: dict[str, Any] = {"facecolor": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6, "alpha": 0.65}
+    heights, edges = PER_DEGREE * histogram.density, np.degrees(histogram.edges)
+    axes.stairs(heights, edges, fill=True, label="measured", zorder=2, **look)
 
 
 def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None:
@@ -144,4 +106,4 @@ def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None
     axes.set_xlabel("cycle")
     axes.set_xlim(0, max(len(predicted), 0 if measured is None else len(measured)) - 1)
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
-    unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)
+    style.unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)

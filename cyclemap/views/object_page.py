@@ -13,21 +13,12 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene
+from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import CheckedCollection, first_contact
 from cyclemap.errors import CycleMapError
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    arrow,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 MM = 1000.0
 # More sides than this are those of a curve, whose numbers nobody needs.
@@ -47,8 +38,8 @@ def object_page(checked: CheckedCollection) -> Figure:
         for number, line in enumerate(textwrap.wrap(finding.words, _LETTERS))
     ]
     height = 5.6 + 0.2 * len(lines)
-    with picture_style():
-        figure = new_figure(11.0, height)
+    with style.picture_style():
+        figure = style.new_figure(11.0, height)
         panels = figure.subplots(1, 2)
         figure.subplots_adjust(left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(1.15 + 0.2 * len(lines)) / height)
         if loop is not None:
@@ -64,7 +55,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     middle = MM * np.array(loop.slider.outline.centroid)
     axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
     for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
-        arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
+        style.arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
         axes.text(0.37 * reach * way[0], 0.37 * reach * way[1], name, ha="center", va="center", color=QUIET, fontsize=8)
     axes.plot(*(MM * np.array(loop.slider.centre_of_mass)), "+", color=INK, markersize=8, label="centre of mass")
     number_sides(axes, outline, 0.1)
@@ -73,7 +64,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     length = MM * loop.push.distance
     axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
     axes.plot([], [], "o", color=INK, label=f"rod, radius {radius:.3g} mm")
-    arrow(axes, rod, rod + length * way, FORCE)
+    style.arrow(axes, rod, rod + length * way, FORCE)
     axes.plot([], [], color=FORCE, label=f"push, {length:.4g} mm at side {loop.push.side}")
     ring = MM * np.array(loop.slider.hitch)
     told = f"ring ({ring[0]:.4g}, {ring[1]:.4g}) mm"
@@ -113,7 +104,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     for outline, look in outlines:
         axes.add_patch(Polygon(MM * outline, **look))
     axes.plot(*(MM * scene.push.rod).T, color=FORCE, linewidth=1.6, label="way of the rod")
-    arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
+    style.arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     axes.plot(0.0, 0.0, "x", color=INK, markersize=9, mew=1.8, label="target of the ring", zorder=6)
     _frame(axes, MM * np.vstack([scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]), "world")
@@ -136,12 +127,36 @@ def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
     low, high = corners[:, 0].min(axis=0) - 8.0, corners[:, 1].max(axis=0) + 8.0
     mm_per_newton = LONGEST_ARROW * float((high - low).max()) / scene.strongest_force
     for axes, stroke in ((push_axes, scene.push), (drag_axes, scene.drag)):
-        _draw_stroke(axes, stroke)
+        axes.add_patch(Polygon(MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1))
+        axes.add_patch(
+            Polygon(
+                MM * stroke.after, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, alpha=0.75, zorder=2
+            )
+        )
+        axes.plot(*(MM * stroke.centre).T, color=QUIET, linewidth=0.9, zorder=3)
+        axes.plot(*(MM * stroke.centre[-1]), "+", color=PREDICTED, markersize=7, zorder=4)
+        axes.plot(*(MM * stroke.centre[0]), "+", color=QUIET, markersize=7, zorder=3)
+        for place, colour, line in ((stroke.ring_before, QUIET, "--"), (stroke.ring_after, PREDICTED, "-")):
+            look: dict[str, Any] = {"fill": False, "edgecolor": colour, "linestyle": line, "zorder": 4}
+            axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **look))
+        # The rod's path: thick where it sticks, thin and dotted where it slides; the rod at both ends.
+        path = MM * stroke.rod
+        axes.plot(*path.T, color=INK, linewidth=1.0, linestyle=":", zorder=5)
+        axes.plot(*np.where(stroke.sliding[:, None], np.nan, path).T, color=INK, linewidth=1.8, zorder=5)
+        radius = max(MM * stroke.rod_radius, 1.0)
+        axes.add_patch(Circle(tuple(path[0]), radius, facecolor="white", edgecolor=INK, zorder=6))
+        axes.add_patch(Circle(tuple(path[-1]), radius, facecolor=INK, edgecolor=INK, zorder=6))
         tips = MM * stroke.force_point + mm_per_newton * stroke.force
         for point, tip in zip(MM * stroke.force_point, tips, strict=True):
-            arrow(axes, point, tip, FORCE, 1.4, 7)
+            style.arrow(axes, point, tip, FORCE, 1.4, 7)
         axes.set_aspect("equal")
-        _fill_panel(axes, low, high)
+        # Show the window from `low` to `high` (mm), widened to the panel's shape so that no panel shrinks.
+        panel = axes.get_window_extent()
+        span = high - low
+        scale = max(span[0] / panel.width, span[1] / panel.height)
+        margin = (scale * np.array([panel.width, panel.height]) - span) / 2
+        axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
+        axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
         axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
@@ -153,37 +168,3 @@ def cycle_key(scene: CycleScene) -> str:
         "dashed: before, solid: after  ·  path of the rod: solid sticks, dotted slides\n"
         f"arrows: force on the object, longest {scene.strongest_force:.2g} N  ·  circle: ring"
     )
-
-
-def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
-    axes.add_patch(Polygon(MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1))
-    axes.add_patch(
-        Polygon(MM * stroke.after, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, alpha=0.75, zorder=2)
-    )
-    axes.plot(*(MM * stroke.centre).T, color=QUIET, linewidth=0.9, zorder=3)
-    axes.plot(*(MM * stroke.centre[-1]), "+", color=PREDICTED, markersize=7, zorder=4)
-    axes.plot(*(MM * stroke.centre[0]), "+", color=QUIET, markersize=7, zorder=3)
-    for place, colour, line in ((stroke.ring_before, QUIET, "--"), (stroke.ring_after, PREDICTED, "-")):
-        look: dict[str, Any] = {"fill": False, "edgecolor": colour, "linestyle": line, "zorder": 4}
-        axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **look))
-    _draw_rod(axes, stroke)
-
-
-def _fill_panel(axes: Axes, low: Array, high: Array) -> None:
-    """Show the window from `low` to `high` (mm), widened to the panel's shape so that no panel shrinks."""
-    panel = axes.get_window_extent()
-    span = high - low
-    scale = max(span[0] / panel.width, span[1] / panel.height)
-    margin = (scale * np.array([panel.width, panel.height]) - span) / 2
-    axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
-    axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
-
-
-def _draw_rod(axes: Axes, stroke: StrokeScene) -> None:
-    """The rod's path: thick where it sticks, thin and dotted where it slides; the rod at both ends."""
-    path = MM * stroke.rod
-    axes.plot(*path.T, color=INK, linewidth=1.0, linestyle=":", zorder=5)
-    axes.plot(*np.where(stroke.sliding[:, None], np.nan, path).T, color=INK, linewidth=1.8, zorder=5)
-    radius = max(MM * stroke.rod_radius, 1.0)
-    axes.add_patch(Circle(tuple(path[0]), radius, facecolor="white", edgecolor=INK, zorder=6))
-    axes.add_patch(Circle(tuple(path[-1]), radius, facecolor=INK, edgecolor=INK, zorder=6))

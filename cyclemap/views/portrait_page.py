@@ -11,27 +11,8 @@ from matplotlib.gridspec import GridSpec
 
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.portrait_curves import PortraitCurves
-from cyclemap.views.map_panels import (
-    draw_cobweb,
-    draw_density,
-    draw_measured_histogram,
-    draw_measured_turns,
-    draw_staircase,
-    draw_turn,
-)
+from cyclemap.views import map_panels, sentences
 from cyclemap.views.object_page import cycle_key, draw_cycle
-from cyclemap.views.sentences import (
-    accuracy_line,
-    agreement_sentence,
-    angle,
-    headline,
-    lock_sentence,
-    noise_sentence,
-    parameters_line,
-    push_line,
-    staircase_sentence,
-    uncertainty_sentence,
-)
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
 if TYPE_CHECKING:
@@ -57,56 +38,36 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
         )  # fmt: skip
         panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
         turn, density, cobweb, staircase, push, drag = panels
-        _draw_turn_panel(turn, portrait, curves, measured)
-        _draw_density_panel(density, portrait, curves, measured)
-        _draw_cobweb_panel(cobweb, portrait, curves)
-        _draw_staircase_panel(staircase, portrait, measured)
-        _draw_cycle_panels(push, drag, portrait, curves)
+        known = portrait.uncertainty
+        map_panels.draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
+        if measured is not None:
+            map_panels.draw_measured_turns(turn, measured.pairs, measured.bins)
+        turn.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
+        _legend_above(turn)
+        map_panels.draw_density(density, curves)
+        if measured is not None:
+            map_panels.draw_measured_histogram(density, measured.histogram)
+        density.set_ylim(bottom=0.0)
+        density.set_title("Directions recorded", y=_TITLE_PLACE)
+        _legend_above(density)
+        map_panels.draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
+        place = "the jump" if portrait.gathering_jumps else "the slowest direction"
+        place = "the stable direction" if portrait.stable_points else place
+        whole = curves.cobweb.high - curves.cobweb.low > 6.2
+        cobweb.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
+        path = None if measured is None else measured.pairs.path
+        map_panels.draw_staircase(staircase, portrait.staircase.theta, path)
+        staircase.set_title("Staircase", y=_TITLE_PLACE)
+        if path is not None:
+            staircase.legend(loc="upper left")
+        draw_cycle(push, drag, curves.scene)
+        cycle = portrait.cycle
+        push.set_title(
+            f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
+        )
+        drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
         _write_words(figure, portrait, curves, measured)
     return figure
-
-
-def _draw_turn_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
-    known = portrait.uncertainty
-    draw_turn(axes, curves.turn, portrait.fixed_points, () if known is None else known.directions)
-    if measured is not None:
-        draw_measured_turns(axes, measured.pairs, measured.bins)
-    axes.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
-    _legend_above(axes)
-
-
-def _draw_density_panel(
-    axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
-) -> None:
-    draw_density(axes, curves)
-    if measured is not None:
-        draw_measured_histogram(axes, measured.histogram)
-    axes.set_ylim(bottom=0.0)
-    axes.set_title("Directions recorded", y=_TITLE_PLACE)
-    _legend_above(axes)
-
-
-def _draw_cobweb_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves) -> None:
-    draw_cobweb(axes, curves.cobweb, portrait.fixed_points)
-    place = "the jump" if portrait.gathering_jumps else "the slowest direction"
-    place = "the stable direction" if portrait.stable_points else place
-    whole = curves.cobweb.high - curves.cobweb.low > 6.2
-    axes.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
-
-
-def _draw_staircase_panel(axes: Axes, portrait: Portrait, measured: MeasuredOverlay | None) -> None:
-    path = None if measured is None else measured.pairs.path
-    draw_staircase(axes, portrait.staircase.theta, path)
-    axes.set_title("Staircase", y=_TITLE_PLACE)
-    if path is not None:
-        axes.legend(loc="upper left")
-
-
-def _draw_cycle_panels(push: Axes, drag: Axes, portrait: Portrait, curves: PortraitCurves) -> None:
-    draw_cycle(push, drag, curves.scene)
-    cycle = portrait.cycle
-    push.set_title(f"Push from {angle(cycle.theta)}: turns {angle(cycle.push_turn)}", y=_TITLE_PLACE)
-    drag.set_title(f"Drag by the ring: turns {angle(cycle.drag_turn)}", y=_TITLE_PLACE)
 
 
 def _legend_above(axes: Axes) -> None:
@@ -115,17 +76,17 @@ def _legend_above(axes: Axes) -> None:
 
 
 def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
-    known = uncertainty_sentence(portrait.loop.material.name, portrait.uncertainty)
-    said = headline(portrait)
+    material, said = portrait.loop.material, sentences.headline(portrait)
+    known = sentences.uncertainty_sentence(material.name, portrait.uncertainty)
     size = 18.0 * min(1.0, _HEADLINE_LETTERS / len(said))
     figure.text(0.015, 0.955, said, fontsize=size, fontweight="bold", va="center")
-    told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)} {known}"
-    figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    inferred = (
-        f"{portrait.loop.material.name} was inferred, not measured  ·  " if portrait.loop.material.inferred else ""
-    )
-    foot = [parameters_line(portrait), f"{inferred}{push_line(portrait)}  ·  {accuracy_line(portrait)}"]
+    tellers = (sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
+    told = fill(" ".join([*(tell(portrait) for tell in tellers), known]), LINE_LETTERS)
+    figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
+    inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
+    how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"
+    foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
     if measured is not None:
-        foot.append(agreement_sentence(measured.agreement))
+        foot.append(sentences.agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
     figure.text(0.985, 0.06, cycle_key(curves.scene), fontsize=8, color=QUIET, va="top", ha="right", linespacing=1.35)

@@ -11,16 +11,8 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
-from cyclemap.views.style import (
-    FORCE,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    legend_above,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
 
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a bad one.
 _SHARES = (0.25, 0.5, 0.75)
@@ -39,8 +31,8 @@ def replay_headline(replayed: ReplayedPushes) -> str:
 
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         grid = GridSpec(
             2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
         )  # fmt: skip
@@ -50,11 +42,26 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
         order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
         for place, share in enumerate(_SHARES):
             row = int(order[min(int(share * len(order)), len(order) - 1)])
-            _draw_course(figure.add_subplot(grid[1, 4 * place : 4 * place + 4]), replayed, row)
-        figure.text(0.015, 0.95, f"Replayed on {material}", fontsize=18, fontweight="bold", va="center")
-        figure.text(0.015, 0.905, replay_headline(replayed), fontsize=10, va="center")
+            # One push seen from above: the object before, and after it as measured and as predicted, with its ways.
+            axes = figure.add_subplot(grid[1, 4 * place : 4 * place + 4])
+            replay, facts = replayed.replays[row], replayed.table.iloc[row]
+            axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
+            for poses, colour, width, name in (
+                (replay.measured, MEASURED, 3.0, "measured"),
+                (replay.predicted, PREDICTED, 1.5, "predicted"),
+            ):
+                axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
+                axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
+            axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
+            axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.set(xlabel="x (mm)", ylabel="y (mm)")
+            speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
+            off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
+            axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
+            style.legend_above(axes, columns=4)
         foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
-        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+        style.write_page(figure, f"Replayed on {material}", [replay_headline(replayed)], foot)
     return figure
 
 
@@ -86,38 +93,13 @@ def _draw_motions(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
     axes.plot([low, high], [low, high], color=QUIET, linewidth=0.9, zorder=2)
     for number, kind in enumerate(kinds):
         chosen = both[(table["object"] == kind).to_numpy()]
-        look: dict[str, Any] = {
-            "markersize": 4.0,
-            "markerfacecolor": "white",
-            "markeredgecolor": PREDICTED,
-            "linestyle": "none",
-        }
+        look: dict[str, Any] = {"markersize": 4.0, "mfc": "white", "mec": PREDICTED, "linestyle": "none"}
         axes.plot(*chosen.T, marker=_MARKERS[number % len(_MARKERS)], label=kind, zorder=3, **look)
     unit = "°" if turn else "mm"
     axes.set(xlabel=f"measured {name} ({unit})", ylabel=f"predicted {name} ({unit})")
     axes.set_title("Turn" if turn else "Distance")
     if turn and len(kinds) > 1:
         axes.legend(loc="upper left", fontsize=7.0, handletextpad=0.2)
-
-
-def _draw_course(axes: Axes, replayed: ReplayedPushes, row: int) -> None:
-    """One push seen from above: the object before, and after it as measured and as predicted, with its ways."""
-    replay, facts = replayed.replays[row], replayed.table.iloc[row]
-    axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
-    for poses, colour, width, name in (
-        (replay.measured, MEASURED, 3.0, "measured"),
-        (replay.predicted, PREDICTED, 1.5, "predicted"),
-    ):
-        axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
-        axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
-    axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
-    axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-    off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
-    axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
-    legend_above(axes, columns=4)
 
 
 def _outline(replay: Replay, pose: Array) -> Array:

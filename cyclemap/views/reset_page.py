@@ -23,20 +23,7 @@ from cyclemap.views import style
 from cyclemap.views.map_panels import PER_DEGREE
 from cyclemap.views.object_page import number_sides
 from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    name_tag,
-    new_figure,
-    picture_style,
-    write_page,
-)
+from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET
 
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED = 0.45, 8
@@ -51,7 +38,16 @@ def reset_page(design: ResetDesign) -> Figure:
         )
         draw_pushes(figure.add_subplot(grid[0, 0]), design.loop, design.chosen.strategy)
         _draw_histograms(figure.add_subplot(grid[0, 1]), design)
-        _draw_errors(figure.add_subplot(grid[0, 2]), design)
+        axes = figure.add_subplot(grid[0, 2])
+        errors = 100.0 * design.ratio_errors
+        looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
+        for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
+            axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
+        axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
+        top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
+        axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
+        axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
+        axes.legend(loc="upper center", ncols=3)
         _write_rows(figure, design)
         title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
         figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
@@ -66,7 +62,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
     size, (x, y) = float(np.ptp(outline, axis=0).max()), (1e3 * np.array(prepared.slider.hitch)).tolist()
     axes.fill(*outline.T, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
     axes.plot(x, y, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
-    name_tag(axes, x, y, "ring", xytext=(9, 7), textcoords="offset points")
+    style.name_tag(axes, x, y, "ring", xytext=(9, 7), textcoords="offset points")
     number_sides(axes, outline, -0.14, fontsize=12, fontweight="bold", color=PREDICTED)
     shares: Counter[SidePush] = Counter()
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
@@ -78,7 +74,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
         axes.annotate("", tuple(tip), tuple(tail), arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3)
         axes.plot(*np.array([tip, beyond]).T, linestyle="none")
         if len(shares) <= _NAMED:
-            name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
+            style.name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1)
     axes.set_axis_off()
@@ -96,23 +92,13 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
     axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
     if design.before[0].max() > axes.get_ylim()[1]:
         peak = int(np.argmax(design.before[0]))
-        name_tag(axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+        style.name_tag(
+            axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED
+        )
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
-    legend_above(axes)
-
-
-def _draw_errors(axes: Axes, design: ResetDesign) -> None:
-    errors = 100.0 * design.ratio_errors
-    looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
-    for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
-        axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
-    axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
-    top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
-    axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
-    axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
-    axes.legend(loc="upper center", ncols=3)
+    style.legend_above(axes)
 
 
 def _write_rows(figure: Figure, design: ResetDesign) -> None:
@@ -141,47 +127,42 @@ def strategy_page(
 
     words : the title, then what is said below it.
     """
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
         path = figure.add_subplot(grid[0, 0])
         if measured is not None:
             path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
         path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
         path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
-        legend_above(path)
+        style.legend_above(path)
         draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
-        _draw_shares(figure.add_subplot(grid[1, 0]), theta, measured, law)
+        axes = figure.add_subplot(grid[1, 0])
+        looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
+        for place, (one, colour, name) in enumerate(looks):
+            if one is not None:
+                heights, edges = np.histogram(np.degrees(one) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
+                axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
+        if law is not None:
+            axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
+        axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
+        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        axes.set(ylabel="probability per degree", title="Directions recorded")
+        style.legend_above(axes, columns=4)
         last = figure.add_subplot(grid[1, 1])
         if turns is None:
             last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)
             last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
         else:
-            _draw_turns(last, turns, strategy)
-        write_page(figure, words[0], words[1:])
+            degrees = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
+            last.axhline(0.0, color=QUIET, linewidth=0.9)
+            for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
+                last.plot(degrees, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
+            last.plot(
+                degrees, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean"
+            )
+            style.degree_axis(last, "θ0, orientation before the push (°)")
+            last.set(ylabel="turn of one cycle (°)", title="Turn of each action")
+            style.legend_above(last)
+        style.write_page(figure, words[0], words[1:])
     return figure
-
-
-def _draw_shares(axes: Axes, theta: Array, measured: Array | None, law: OrientationLaw | None) -> None:
-    looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
-    for place, (path, colour, name) in enumerate(looks):
-        if path is not None:
-            heights, edges = np.histogram(np.degrees(path) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
-            axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
-    if law is not None:
-        axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
-    axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
-    degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set(ylabel="probability per degree", title="Directions recorded")
-    legend_above(axes, columns=4)
-
-
-def _draw_turns(axes: Axes, turns: Array, strategy: ResetStrategy) -> None:
-    theta = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
-        axes.plot(theta, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
-    axes.plot(theta, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
-    degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set(ylabel="turn of one cycle (°)", title="Turn of each action")
-    legend_above(axes)

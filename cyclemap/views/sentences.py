@@ -24,7 +24,19 @@ MOST_PEAKS = 3
 
 def headline(portrait: Portrait) -> str:
     """The answer in a line: where this material locks in, or rests until noise or wear carries it on."""
-    told = f"{portrait.loop.material.name} {_resting(portrait)}"
+    # Locked is what neither noise nor wear carries off within the run.
+    run, wears = portrait.staircase.cycles, portrait.worn is not None
+    locked, rests = [], []
+    for orbit in portrait.stable_points:
+        place, stay = _place(portrait, orbit), portrait.stay(orbit)
+        if stay is not None and stay >= run and not wears:
+            locked.append(place)
+        else:
+            rests.append(place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time")
+    jumps = [angle(theta) for theta in portrait.gathering_jumps]
+    words = [f"{how} {_listed(places)}" for how, places in (("locks into", locked), ("rests at", rests)) if places]
+    words = words or [f"gathers about {_listed(jumps)}" if jumps else "locks into no direction"]
+    told = f"{portrait.loop.material.name} {' and '.join(words)}"
     known = portrait.uncertainty
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
         told += f" (locked in {known.chance:.0%} of what its data allow)"
@@ -34,12 +46,6 @@ def headline(portrait: Portrait) -> str:
     return f"{told} when fresh, {f'near {_listed(worn)}' if worn else 'nowhere'} when worn"
 
 
-def push_direction(theta: float, loop: CollectionLoop) -> float:
-    """Return towards where the rod goes (rad, world) when it pushes an object of orientation theta."""
-    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
-    return theta + math.atan2(way[1], way[0])
-
-
 def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) -> str:
     """Both answers to "which direction?": the object's orientation, and where the push goes.
 
@@ -47,24 +53,9 @@ def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) 
     >>> orientation_and_push(math.radians(63.2), CollectionLoop.mit())
     'orientation 63.2°, pushed towards −26.8°'
     """
-    towards = math.remainder(push_direction(theta, loop), 2.0 * math.pi)
+    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
+    towards = math.remainder(theta + math.atan2(way[1], way[0]), 2.0 * math.pi)
     return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
-
-
-def _resting(portrait: Portrait) -> str:
-    """Locked is what neither noise nor wear carries off within the run."""
-    run, wears = portrait.staircase.cycles, portrait.worn is not None
-    stays = [(_place(portrait, orbit), portrait.stay(orbit)) for orbit in portrait.stable_points]
-    locked = [place for place, stay in stays if stay is not None and stay >= run and not wears]
-    rests = [
-        place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time"
-        for place, stay in stays
-        if place not in locked
-    ]
-    told = [f"locks into {_listed(locked)}"] if locked else []
-    told += [f"rests at {_listed(rests)}"] if rests else []
-    jumps = [angle(theta) for theta in portrait.gathering_jumps]
-    return " and ".join(told) or (f"gathers about {_listed(jumps)}" if jumps else "locks into no direction")
 
 
 def _place(portrait: Portrait, orbit: Orbit) -> str:
@@ -107,17 +98,26 @@ def worn_rests(worn: StaircaseSummary) -> str:
     """Where θ0 rests on the surface of the last cycle, and how long."""
     if not worn.zones:
         return "nowhere"
-    return f"near {_listed([f'{angle(zone.centre)} for {_stay(zone.residence_cycles)}' for zone in worn.zones])}"
-
-
-def _stay(residence: float) -> str:
-    return cycles(residence) if residence <= LONGEST_STAY else "longer than any collection"
+    times = [one.residence_cycles for one in worn.zones]
+    stays = [cycles(time) if time <= LONGEST_STAY else "longer than any collection" for time in times]
+    rests = [f"{angle(zone.centre)} for {stay}" for zone, stay in zip(worn.zones, stays, strict=True)]
+    return f"near {_listed(rests)}"
 
 
 def lock_sentence(portrait: Portrait) -> str:
     """Which directions the loop locks into, and how fast."""
-    jumps = [angle(theta) for theta in portrait.gathering_jumps]
-    sentences = [_stable_sentence(portrait.stable_points)] if portrait.stable_points else []
+    jumps, orbits = [angle(theta) for theta in portrait.gathering_jumps], portrait.stable_points
+    sentences = []
+    if orbits:
+        multipliers = _listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
+        # How many cycles take an error to its tenth.
+        sizes = [abs(orbit.multiplier) for orbit in orbits]
+        after = [
+            "less than 1" if size < 0.1 else "ever more" if size >= 1.0 else number(math.log(0.1) / math.log(size))
+            for size in sizes
+        ]
+        stable = f"Stable at {_listed([angle(orbit.points[0]) for orbit in orbits])}, multiplier {multipliers}"
+        sentences.append(f"{stable}: a tenth of an error is left after {_listed(after)} cycles.")
     if jumps:
         sentences.append(f"Orbits gather about the jump at {_listed(jumps)}.")
     if sentences:
@@ -232,20 +232,6 @@ def number(value: float) -> str:
 def cycles(value: float | None) -> str:
     """A number of cycles for people."""
     return "an unknown number of cycles" if value is None else f"{number(value)} cycles"
-
-
-def _stable_sentence(orbits: tuple[Orbit, ...]) -> str:
-    places = _listed([angle(orbit.points[0]) for orbit in orbits])
-    multipliers = _listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
-    speeds = _listed([_tenfold_cycles(abs(orbit.multiplier)) for orbit in orbits])
-    return f"Stable at {places}, multiplier {multipliers}: a tenth of an error is left after {speeds} cycles."
-
-
-def _tenfold_cycles(multiplier: float) -> str:
-    """How many cycles take an error to its tenth."""
-    if multiplier < 0.1:
-        return "less than 1"
-    return "ever more" if multiplier >= 1.0 else number(math.log(0.1) / math.log(multiplier))
 
 
 def _listed(words: list[str]) -> str:

@@ -68,6 +68,9 @@ _STYLE: dict[Any, Any] = {
     # A fixed salt and no date: the same portrait gives the same file.
     "svg.hashsalt": "cyclemap",
 }
+# Measured places, of which there may be many.
+DOTS: dict[str, Any] = {"color": MEASURED, "markersize": 3.0, "alpha": 0.45, "linestyle": "none"}
+DOTS |= {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.3}
 THETA = "θ (°)"
 
 
@@ -129,15 +132,9 @@ def legend_above(axes: Axes, columns: int = 3, handles: list[Any] | None = None)
     """A legend above the panel, at its right end, where it covers no data; none where nothing has a label."""
     shown = axes.get_legend_handles_labels()[0] if handles is None else handles
     if shown:
-        axes.legend(
-            handles=shown,
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.0),
-            ncols=min(columns, len(shown)),
-            borderaxespad=0.2,
-            handlelength=1.8,
-            columnspacing=1.2,
-        )
+        look: dict[str, Any] = {"borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.2}
+        columns = min(columns, len(shown))
+        axes.legend(handles=shown, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, **look)
 
 
 def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
@@ -145,6 +142,12 @@ def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
     ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
     given: dict[str, Any] = {"fontsize": 7.5, "color": INK, "ha": "center", "va": "center", "zorder": 8, **options}
     axes.annotate(name, (x, y), annotation_clip=True, bbox=ground, **given)
+
+
+def name_beside(axes: Axes, x: float, y: float, name: str, offset: tuple[float, float]) -> None:
+    """A name on a white ground, so many points to the right of a marked place (to the left: negative) and above it."""
+    side = "left" if offset[0] > 0.0 else "right"
+    name_tag(axes, x, y, name, fontsize=8, ha=side, va="baseline", xytext=offset, textcoords="offset points")
 
 
 def name_beside_path(axes: Axes, start: float, end: float, level: float, name: str, rises: bool) -> None:

@@ -16,7 +16,6 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -27,21 +26,9 @@ from cyclemap.sweeps.point_sets import MATERIAL_KEY, SweepAxis
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane, SweptScatter, axis_places
 from cyclemap.sweeps.sweep_results import Sweep
+from cyclemap.views import style
 from cyclemap.views.rotation_panels import cell_edges, draw_rotation_numbers, draw_rotation_plane
-from cyclemap.views.style import (
-    INK,
-    PREDICTED,
-    QUIET,
-    UNSTABLE,
-    legend_above,
-    name_tag,
-    new_figure,
-    orbit_keys,
-    picture_style,
-    say,
-    whole_turn_ticks,
-    write_page,
-)
+from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE
 
 MOST_PANELS = 2
 # Points between a panel and its title: a row of a legend.
@@ -80,8 +67,8 @@ _LONGEST_REASON = 160
 def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
     panels = _panels(curves)[:MOST_PANELS]
-    with picture_style():
-        figure = new_figure(13.333, 6.6)
+    with style.picture_style():
+        figure = style.new_figure(13.333, 6.6)
         grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
         for place, (title, draw) in enumerate(panels):
             axes = figure.add_subplot(grid[0, place])
@@ -89,7 +76,7 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
             if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
                 _draw_object(axes, sweep)
             axes.set_title(title, pad=TITLE_PAD)
-        write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
+        style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
         figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
     return figure
 
@@ -103,37 +90,26 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
     if slider.name in MIT_SHAPE_NAMES:
         x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
         axes.plot(x, y, "*", markersize=11, markerfacecolor=UNSTABLE, markeredgecolor=INK, zorder=6)
-        name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+        style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
     window = np.array([axes.get_xlim(), axes.get_ylim()]).T
     low, high = np.minimum(window[0], outline.min(axis=0) - 3.0), np.maximum(window[1], outline.max(axis=0) + 3.0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
 
 
 def _panels(curves: SweptCurves) -> list[Panel]:
-    """Titles and drawers; lines begin with the bifurcation diagram where fixed points are known."""
+    """Titles, which are meanings short of their remarks, and drawers; where fixed points are known they come first."""
+    first: list[Panel] = []
+    draw: Callable[..., None]
     if isinstance(curves, SweptLines):
-        first: list[Panel] = []
+        draw, told = partial(draw_swept_line, swept=curves), curves.lines
         if curves.points is not None:
-            first.append(("Fixed points", lambda axes: draw_fixed_points(axes, curves)))
-        return first + _one_each(partial(draw_swept_line, swept=curves), curves.lines)
-    if isinstance(curves, SweptPlane):
-        return _one_each(partial(draw_swept_plane, swept=curves), curves.planes)
-    return _one_each(partial(draw_swept_scatter, swept=curves), curves.values)
-
-
-def _one_each(draw: Callable[..., None], told: tuple[tuple[Quantity, Array], ...]) -> list[Panel]:
-    """A panel for each quantity, drawn by its index."""
-    return [(_title(one.meaning), partial(draw, index=index)) for index, (one, _) in enumerate(told)]
-
-
-def _title(meaning: str) -> str:
-    """A quantity's meaning as a title, short of its remarks.
-
-    >>> _title("turn of a cycle, mean over start directions")
-    'Turn of a cycle'
-    """
-    words = meaning.partition(",")[0]
-    return words[:1].upper() + words[1:]
+            first.append(("Fixed points", partial(draw_fixed_points, swept=curves)))
+    elif isinstance(curves, SweptPlane):
+        draw, told = partial(draw_swept_plane, swept=curves), curves.planes
+    else:
+        draw, told = partial(draw_swept_scatter, swept=curves), curves.values
+    titles = [one.meaning.partition(",")[0] for one, _ in told]
+    return first + [(f"{name[:1].upper()}{name[1:]}", partial(draw, index=at)) for at, name in enumerate(titles)]
 
 
 def key_words(key: str) -> str:
@@ -177,7 +153,14 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
         plane = without_specks(swept.rotation)
         draw_rotation_plane(axes, plane, key_label(swept.first.key), key_label(swept.second.key))
     else:
-        _draw_values(axes, swept, quantity, values)
+        first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+        look, ticks = _shades(values)
+        mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
+        _add_scale(axes, mesh, quantity, ticks)
+        axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
+        axes.set_xlim(float(first.min()), float(first.max()))
+        axes.set_ylim(float(second.min()), float(second.max()))
+        axes.grid(visible=False)
     _cross_out(axes, swept)
     _name_ticks(axes.xaxis, swept.first)
     _name_ticks(axes.yaxis, swept.second)
@@ -191,32 +174,17 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
     if min(plane.period.shape) < _FINE_PLANE:
         return plane
     ratio = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan)
-    wide = np.pad(np.where(_in_blocks(ratio), ratio, np.nan), 1, constant_values=np.nan)
+    # Which cells are one of two by two that are equal.
+    along = ratio[1:] == ratio[:-1]
+    block = along[:, 1:] & along[:, :-1] & (ratio[1:, 1:] == ratio[1:, :-1])
+    found = np.zeros(ratio.shape, dtype=bool)
+    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
+        part |= block
+    wide = np.pad(np.where(found, ratio, np.nan), 1, constant_values=np.nan)
     rows, columns = ratio.shape
     touched = [wide[i : i + rows, j : j + columns] == ratio for i in range(3) for j in range(3)]
     kept = np.logical_or.reduce(touched)
     return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
-
-
-def _in_blocks(values: Array) -> NDArray[np.bool_]:
-    """Which cells are one of two by two that are equal."""
-    along = values[1:] == values[:-1]
-    block = along[:, 1:] & along[:, :-1] & (values[1:, 1:] == values[1:, :-1])
-    found = np.zeros(values.shape, dtype=bool)
-    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
-        part |= block
-    return found
-
-
-def _draw_values(axes: Axes, swept: SweptPlane, quantity: Quantity, values: Array) -> None:
-    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
-    look, ticks = _shades(values)
-    mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
-    _add_scale(axes, mesh, quantity, ticks)
-    axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
-    axes.set_xlim(float(first.min()), float(first.max()))
-    axes.set_ylim(float(second.min()), float(second.max()))
-    axes.grid(visible=False)
 
 
 def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
@@ -249,7 +217,7 @@ def _cross_out(axes: Axes, swept: SweptPlane) -> None:
         runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
         axes.broken_barh(runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2)
     told = axes.get_legend_handles_labels()[0]
-    legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
+    style.legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
 
 
 def _name_ticks(side: Axis, axis: SweepAxis) -> None:
@@ -264,16 +232,16 @@ def _name_ticks(side: Axis, axis: SweepAxis) -> None:
 def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
     axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
-    whole_turn_ticks(axes)
+    style.whole_turn_ticks(axes)
     at, theta, stable = swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
     if not at.size:
-        say(axes, "no fixed point")
+        style.say(axes, "no fixed point")
     size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
     look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": size, "markeredgecolor": PREDICTED}
     axes.plot(at[~stable], theta[~stable], markerfacecolor=UNSTABLE, markeredgewidth=0.9, zorder=3, **look)
     axes.plot(at[stable], theta[stable], markerfacecolor=PREDICTED, zorder=4, **look)
     kinds = {"stable" if one else "unstable" for one in stable.tolist()}
-    _finish_line_axis(axes, swept, orbit_keys(kinds))
+    _finish_line_axis(axes, swept, style.orbit_keys(kinds))
 
 
 def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
@@ -283,8 +251,8 @@ def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
         draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
         handles = axes.get_legend_handles_labels()[0]
     else:
-        style = "o-" if swept.axis.is_number else "o"
-        axes.plot(swept.parameter, values, style, color=PREDICTED, markersize=3.5, linewidth=1.4)
+        mark = "o-" if swept.axis.is_number else "o"
+        axes.plot(swept.parameter, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
         axes.set(xlabel=key_label(swept.axis.key), ylabel=quantity_label(quantity))
         handles = []
     _finish_line_axis(axes, swept, handles)
@@ -302,7 +270,7 @@ def _finish_line_axis(axes: Axes, swept: SweptLines, handles: list[Any]) -> None
             swept.refused, np.full(swept.refused.size, 0.02), "x", color=INK, transform=bottom, label="refused"
         )
         handles = [*handles, *marks]
-    legend_above(axes, columns=4, handles=handles)
+    style.legend_above(axes, columns=4, handles=handles)
 
 
 # -- a sample ----------------------------------------------------------------------------------------------
@@ -322,7 +290,7 @@ def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
     if swept.refused.any():
         axes.plot(first[swept.refused], second[swept.refused], "x", color=INK, markersize=5, label="refused", zorder=4)
     axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _short(value: object) -> str:
@@ -355,19 +323,26 @@ def sweep_headline(sweep: Sweep) -> str:
 
 
 def sweep_sentences(sweep: Sweep) -> list[str]:
-    """How much is done, the share that locks, the stable directions, and the refusals."""
+    """How much is done, the share that is proved to lock and to what, the stable directions, and the refusals."""
     total = math.prod(sweep.shape) if sweep.axes else int(sweep.description["count"])
     whole = f"{len(sweep)} points" if len(sweep) == total else f"{len(sweep)} of {total} points"
     told = [f"{whole} over {_swept(sweep)}."]
     if "locked_period" in sweep.columns:
-        told.append(_locked_sentence(sweep))
+        period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
+        pairs = zip(winding[period > 0].tolist(), period[period > 0].tolist(), strict=True)
+        ratios = Counter(f"{int(p)}/{int(q)}" for p, q in pairs)
+        listed = ", ".join(f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS))
+        more = ", ..." if len(ratios) > _MOST_REASONS else ""
+        told.append(f"{ratios.total()} lock ({listed}{more})." if ratios else "No point is proved to lock.")
     stable = sweep.columns.get("stable_points", np.empty(0))
     if np.isfinite(stable).any():
         counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
         told.append(f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}.")
-    refused = [text for text in sweep.refusals if text]
-    if refused:
-        told.append(_refusal_sentence(refused))
+    if refused := [text.partition(" (set:")[0] for text in sweep.refusals if text]:
+        reason, count = Counter(refused).most_common(1)[0]
+        short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
+        most = f"{count} of them" if count < len(refused) else "all of them" if count > 1 else "it"
+        told.append(f"{len(refused)} refused; {most} so: {short}.")
     return told
 
 
@@ -393,24 +368,3 @@ def _swept(sweep: Sweep) -> str:
         for key, ends in sample.get("ranges", {}).items()
     )
     return f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"
-
-
-def _locked_sentence(sweep: Sweep) -> str:
-    """How many points are proved to lock, and to what."""
-    period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
-    locked = period > 0
-    if not locked.any():
-        return "No point is proved to lock."
-    ratios = Counter(
-        f"{int(p)}/{int(q)}" for p, q in zip(winding[locked].tolist(), period[locked].tolist(), strict=True)
-    )
-    listed = ", ".join(f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS))
-    more = ", ..." if len(ratios) > _MOST_REASONS else ""
-    return f"{int(locked.sum())} lock ({listed}{more})."
-
-
-def _refusal_sentence(refused: list[str]) -> str:
-    reason, count = Counter(text.partition(" (set:")[0] for text in refused).most_common(1)[0]
-    short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
-    most = f"{count} of them" if count < len(refused) else "all of them" if count > 1 else "it"
-    return f"{len(refused)} refused; {most} so: {short}."

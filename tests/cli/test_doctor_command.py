@@ -3,65 +3,48 @@
 import json
 
 import pytest
-from click.testing import CliRunner
 
-from cyclemap.cli.command_doctor import doctor_command
+from cyclemap.cli.main import run
 from cyclemap.collection import self_check
 from cyclemap.errors import EngineNotBuilt
 from cyclemap.mechanics.engine import library
 
 
-@pytest.fixture(autouse=True)
-def folder(monkeypatch, tmp_path):
-    """Measured data in a folder of its own."""
-    monkeypatch.setenv("CYCLEMAP_DATA", str(tmp_path))
-    return tmp_path
-
-
-def doctor(*arguments):
-    return CliRunner().invoke(doctor_command, arguments)
-
-
-def test_people_are_told_versions_the_engine_and_how_far_its_cycles_are_from_the_independent_solvers(folder):
-    done = doctor()
-    assert done.exit_code == 0
-    for part in ("numpy", "_engine", "of an independent solver's", str(folder), "healthy"):
-        assert part in done.output.replace("\n", "")
-
-
-def test_json_tells_the_same_and_nothing_else(folder):
-    done = doctor("--json", "-")
-    report = json.loads(done.output)
-    assert done.exit_code == 0
+def test_people_and_programs_are_told_versions_engine_and_how_far_its_cycles_are_off(here, capsys, monkeypatch):
+    monkeypatch.setenv("CYCLEMAP_DATA", str(here))
+    assert run(["doctor"]) == 0
+    shown = capsys.readouterr().out
+    for part in ("numpy", "_engine", "of an independent solver's", str(here), "healthy"):
+        assert part in shown.replace("\n", "")
+    assert run(["doctor", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
     assert report["healthy"] is True and report["problems"] == []
-    assert report["data_folder"] == str(folder)
+    assert report["data_folder"] == str(here)
     assert report["versions"].keys() == {"python", "cyclemap", "numpy", "scipy", "casadi", "matplotlib"}
     assert len(report["engine_version"]) == 64
     assert 0.0 < report["self_check_error_deg"] < 1e-4
 
 
-@pytest.mark.parametrize("error", [1.0, float("nan")])
-def test_a_wrong_number_ends_with_exit_code_1(monkeypatch, error):
-    monkeypatch.setattr(self_check, "reference_error", lambda: error)
-    done = doctor()
-    assert done.exit_code == 1
-    assert "PROBLEM: turns in MIT's loop are" in done.output and "not healthy" in done.output
+def no_engine():
+    raise EngineNotBuilt("the compiled engine is missing: build it")
 
 
-def test_an_engine_that_is_not_built_ends_with_exit_code_1_and_tells_what_to_do(monkeypatch):
-    def refuse():
-        raise EngineNotBuilt("the compiled engine is missing: build it")
+@pytest.mark.parametrize(
+    ("place", "name", "broken", "problem"),
+    [
+        (self_check, "reference_error", lambda: 1.0, "turns in MIT's loop are"),
+        (self_check, "reference_error", lambda: float("nan"), "turns in MIT's loop are"),
+        (library, "load", no_engine, "the compiled engine is missing: build it"),
+    ],
+)
+def test_what_does_not_work_is_told_with_exit_code_1(capsys, monkeypatch, place, name, broken, problem):
+    monkeypatch.setattr(place, name, broken)
+    assert run(["doctor"]) == 1
+    shown = capsys.readouterr().out
+    assert f"PROBLEM: {problem}" in shown and "not healthy" in shown
 
-    monkeypatch.setattr(library, "load", refuse)
-    done = doctor("--json", "-")
-    report = json.loads(done.output)
-    assert done.exit_code == 1
-    assert report["problems"] == ["the compiled engine is missing: build it"]
-    assert report["engine_version"] is None and report["self_check_error_deg"] is None
 
-
-def test_a_missing_data_folder_ends_with_exit_code_1(monkeypatch, folder):
-    monkeypatch.setenv("CYCLEMAP_DATA", str(folder / "nowhere"))
-    done = doctor("--json", "-")
-    assert done.exit_code == 1
-    assert "is no folder" in json.loads(done.output)["problems"][0]
+def test_a_missing_data_folder_ends_with_exit_code_1(here, capsys, monkeypatch):
+    monkeypatch.setenv("CYCLEMAP_DATA", str(here / "nowhere"))
+    assert run(["doctor", "--json", "-"]) == 1
+    assert "is no folder" in json.loads(capsys.readouterr().out)["problems"][0]

@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.collection import (
-    BatchExperiment,
-    BatchRun,
-    CollectionLoop,
-    DynamicLoop,
-    DynamicsComparison,
-    compare_dynamics,
-    isotropic_twin,
-)
+from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop, DynamicLoop, compare_dynamics, isotropic_twin
 from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
 from cyclemap.views.experiment_page import (
     experiment_headline,
@@ -51,8 +43,8 @@ def turning(step_deg: float, batches: int, cycles: int) -> BatchExperiment:
 
 
 @pytest.mark.slow
-def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, printed) -> None:
-    assert run(["experiment", "plywood", "--batches", "2", "--cycles", "3", "--set", "push_mm=30", "--json", "-"]) == 0
+def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, printed, assert_written) -> None:
+    assert run(["experiment", "plywood", "--batches", "2", "--cycles", "3", *SHORT, "--json", "-"]) == 0
     report, text = printed()
     assert list(report) == ["model", "speed_mm_s", "cycles", "within_deg", "anisotropic", "isotropic"]
     assert (report["model"], report["speed_mm_s"], report["cycles"]) == ("dynamic", 20.0, 3)
@@ -63,14 +55,12 @@ def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, printed) -> 
             assert list(batch) == BATCH_KEYS
             assert len(batch["theta0_deg"]) == 4 and batch["theta0_deg"][0] == batch["start_deg"]
     assert report["isotropic"]["spread_mm"] < 0.01 < report["anisotropic"]["spread_mm"]
-    written = {path.name: path.read_bytes() for path in (here / "out").iterdir()}
-    assert set(written) == {"experiment_plywood.png", "experiment_plywood.json"}
-    assert written["experiment_plywood.json"].decode() == text
+    assert_written(here / "out", "experiment_plywood", text)
 
 
 def test_people_are_told_where_the_batches_end_and_with_which_model(here, capsys) -> None:
-    short = ["--batches", "1", "--cycles", "2", "--quasi-static", "--format", "svg", "--set", "push_mm=30"]
-    assert run(["experiment", "plywood", *short]) == 0
+    few = ["--batches", "1", "--cycles", "2", "--quasi-static", "--format", "svg"]
+    assert run(["experiment", "plywood", *few, *SHORT]) == 0
     shown = capsys.readouterr().out
     for part in ("The batch", "On isotropic friction", "quasi-static cycles; 2 cycles", "experiment_plywood.svg"):
         assert part in shown
@@ -83,57 +73,39 @@ def test_sentences_tell_one_direction_several_or_none() -> None:
     assert agreed == "All 2 batches end at 61.4°, within 1° of it for good after at most 8 cycles."
     apart = experiment_headline(experiment([61.4, 241.4]))
     assert apart.startswith("The 2 batches end at 2 directions (61.4°, 241.4°), within 1° of them")
-    drifting = BatchRun(np.outer([1.0, 2.0], np.ones(21)) + 0.1 * np.arange(21), made([0.0, 1.0]).path)
-    moving = BatchExperiment(CollectionLoop.mit(), None, np.array([1.0, 2.0]), drifting, drifting)
-    assert experiment_headline(moving) == (
-        f"Not every batch comes to rest in 20 cycles: the last cycle still turns one by {math.degrees(0.1):.2f}°."
-    )
-    assert f"every cycle turns the object by {math.degrees(0.1):.2f}°" in isotropic_sentence(moving)
-    assert "the 40 paths spread by up to" in spread_sentence(moving)
+    resting = BatchExperiment(CollectionLoop.mit(), 0.02, np.zeros(1), made([61.4]), made([61.4]))
+    assert experiment_headline(resting) == "The batch ends at 61.4°, within 1° of it for good after 8 cycles."
+    moving = turning(5.73, batches=2, cycles=20)
+    still = "Not every batch comes to rest in 20 cycles: the last cycle still turns one by 5.73°."
+    assert experiment_headline(moving) == still
+    assert "every cycle turns the object by 5.73°" in isotropic_sentence(moving)
+    assert "the 40 paths spread by up to" in spread_sentence(experiment([61.4, 61.4]))
+    slow = experiment_headline(turning(0.04, batches=3, cycles=50))
+    assert slow.endswith("still turns one by 0.04°, and such steps do not soon die out.")
 
 
 def test_one_batch_and_one_cycle_are_told_in_the_singular() -> None:
     lone = turning(9.67, batches=1, cycles=1)
-    assert experiment_headline(lone) == (
-        "The batch does not come to rest in 1 cycle: the last cycle still turns it by 9.67°."
-    )
+    moves = "The batch does not come to rest in 1 cycle: the last cycle still turns it by 9.67°."
+    assert experiment_headline(lone) == moves
     assert method_line(lone) == "quasi-static cycles; 1 cycle: 1 batch of 1"
     assert "paths" not in spread_sentence(lone) + isotropic_sentence(lone)
     assert isotropic_sentence(lone).endswith("the cycle turns the object by 9.67°.")
-    resting = BatchExperiment(CollectionLoop.mit(), 0.02, np.zeros(1), made([61.4]), made([61.4]))
-    assert experiment_headline(resting) == "The batch ends at 61.4°, within 1° of it for good after 8 cycles."
-    assert method_line(resting).endswith("20 cycles: 1 batch of 20")
-    assert "every cycle turns" in isotropic_sentence(resting)
 
 
-def test_a_slow_passage_is_told_as_no_end() -> None:
-    slow = turning(0.04, batches=3, cycles=50)
-    assert experiment_headline(slow) == (
-        "Not every batch comes to rest in 50 cycles: the last cycle still turns one by 0.04°, and such steps do not "
-        "soon die out."
-    )
-
-
-def test_the_last_marker_of_a_course_is_drawn_whole() -> None:
-    courses = experiment_page(experiment([61.4, 61.4])).axes[2::3]
-    assert len(courses) == 2
-    assert not any(line.get_clip_on() for axes in courses for line in axes.lines)
-
-
-def test_the_page_has_both_frames_and_the_course_of_both_laws() -> None:
+def test_the_page_has_both_frames_and_the_course_of_both_laws_with_whole_markers() -> None:
     page = experiment_page(experiment([61.4, 61.4]))
-    assert [axes.get_title(loc="left") for axes in page.axes] == [
-        f"{law}: {panel}"
-        for law in ("Anisotropic", "Isotropic")
-        for panel in ("robot's frame", "object's frame", "θ0 over the cycles")
-    ]
+    panels = ("robot's frame", "object's frame", "θ0 over the cycles")
+    titles = [f"{law}: {panel}" for law in ("Anisotropic", "Isotropic") for panel in panels]
+    assert [axes.get_title(loc="left") for axes in page.axes] == titles
     # 40 thin paths, and of each of 2 batches the last one thick with its start marked on it.
     assert [len(axes.lines) for axes in page.axes] == [42, 42, 2] * 2
+    assert not any(line.get_clip_on() for axes in page.axes[2::3] for line in axes.lines)
     assert any("All 2 batches end at 61.4°" in text.get_text() for text in page.texts)
 
 
 @pytest.mark.slow
-def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(here, printed) -> None:
+def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(here, printed, assert_written) -> None:
     assert run(["dynamics", "plywood", "--theta0-deg", "0,90", *SHORT, "--json", "-"]) == 0
     report, text = printed()
     assert list(report) == ["speed_mm_s", "anisotropic", "isotropic"]
@@ -148,10 +120,7 @@ def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(here, pri
         assert all(0.0 < abs(a["theta1_deg"] - b["theta1_deg"]) < 0.3 for a, b in pairs)
     one, other = report["isotropic"]["dynamic"]
     assert one["push_turn_deg"] == pytest.approx(other["push_turn_deg"], abs=1e-3)
-    written = {path.name: path.read_bytes() for path in (here / "out").iterdir()}
-    assert set(written) == {"dynamics_plywood.png", "dynamics_plywood.json"}
-    assert written["dynamics_plywood.png"].startswith(b"\x89PNG")
-    assert written["dynamics_plywood.json"].decode() == text
+    assert_written(here / "out", "dynamics_plywood", text)
 
 
 def test_people_are_told_the_largest_differences_and_every_cycle(here, capsys) -> None:
@@ -171,9 +140,7 @@ def test_one_orientation_shows_the_quasi_static_turn_by_a_marker() -> None:
 
 def test_the_page_shows_both_laws_and_says_how_far_they_differ() -> None:
     loop = CollectionLoop.from_settings({"push_mm": 20})
-    comparisons: list[DynamicsComparison] = [
-        compare_dynamics(DynamicLoop(each), [0.0, 2.0]) for each in (loop, isotropic_twin(loop))
-    ]
+    comparisons = [compare_dynamics(DynamicLoop(each), [0.0, 2.0]) for each in (loop, isotropic_twin(loop))]
     page = dynamics_page(*comparisons)
     assert len(page.axes) == 3
     assert [axes.get_xlabel() for axes in page.axes] == ["θ0 (°)"] * 3

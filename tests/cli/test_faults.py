@@ -17,20 +17,10 @@ BAD_USES = [
     (["cycle", "plywood", "--material", "x.toml"], "give one material"),
     (["cycle", "plywood", "--set", "mu_aa=1"], "did you mean 'mu_a'"),
     (["cycle", "plywood", "--set", "mu_a"], "key=value"),
-    (["cycle", "plywood", "--set", "mu_a=-0.1"], "mu_a"),
-    (["cycle", "plywood", "--set", "mu_a=nan"], "mu_a"),
     (["cycle", "plywood", "--set", "mu_a=high"], "mu_a"),
-    (["cycle", "plywood", "--set", "m0=0.9"], "energy"),
-    (["cycle", "plywood", "--set", "pusher_mu=-1"], "pusher"),
-    (["cycle", "plywood", "--set", "pusher_radius_mm=-5"], "pusher"),
-    (["cycle", "plywood", "--set", "push_mm=-150"], "push"),
-    (["cycle", "plywood", "--set", "fraction=1.5"], "fraction"),
     (["cycle", "plywood", "--set", "side=7"], "side"),
-    (["cycle", "plywood", "--set", "side=0.5"], "side"),
-    (["cycle", "plywood", "--set", "angle_deg=120"], "away"),
     (["cycle", "plywood", "--set", "hitch_x_mm=inf"], "hitch"),
     (["cycle", "plywood", "--set", "footprint=grid:0"], "grid"),
-    (["cycle", "plywood", "--set", "footprint=round"], "footprint"),
     (["cycle", "plywood", "--set", "noise_deg=0"], "noise_deg"),
     (["cycle", "plywood", "--theta0-deg", "0,x"], "'x'"),
     (["cycle", "plywood", "--theta0-deg", "nan"], "'nan'"),
@@ -40,7 +30,6 @@ BAD_USES = [
     (["cycle", "plywood", "--speed", "3"], "--speed"),
     (["portrait", "plywood", "--data", "none.csv"], "none.csv"),
     (["portrait", "plywood", "--cycles", "0"], "--cycles"),
-    (["portrait", "plywood", "--format", "gif"], "--format"),
     (["portait", "plywood"], "portait"),
     (["dynamics", "plywood", "--theta0-deg", "x"], "theta0-deg"),
     (["dynamics", "plywood", "--speed-mm-s", "0"], "speed must be positive"),
@@ -62,28 +51,17 @@ BAD_USES = [
     (["reset", "plywood", "--likely", "no-such-wood"], "unknown material 'no-such-wood'"),
     (["reset", "plywood", "--axes-percent", "100"], "--axes-percent"),
     (["reset", "plywood", "--robust"], "--robust"),
-    (["simulate", "plywood", "--out", "made", "--wear-to", "plywod"], "did you mean 'plywood'"),
     (["simulate", "plywood", "--out", "made", "--noise-deg", "-1"], "-1.0 is not in the range"),
     (["simulate", "plywood", "--out", "made", "--pose-noise-mm", "nan"], "--pose-noise-mm': nan is in no range"),
     (["simulate", "plywood", "--out", "made", "--speed-mm-s", "0"], "0.0 is not in the range"),
     (["simulate", "plywood", "--out", "made", "--start-deg", "inf"], "start must be a finite number"),
-    (["simulate", "plywood", "--out", "made", "--format", "csv"], "'csv' is not one of"),
 ]
 FRICTION = "[friction]\nmu_a = 0.3\nmu_b = 0.3\n"
 
 
 @pytest.mark.parametrize(("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else "")
-def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(
-    tmp_path, capsys, monkeypatch, arguments, named
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(arguments) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert shown.err.startswith("error: ")
-    assert shown.err.count("\n") == 1
-    assert named in shown.err
-    assert list(tmp_path.iterdir()) == []
+def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(refused, arguments, named) -> None:
+    refused(arguments, named)
 
 
 def command(folder, *arguments, closed=(), **environment) -> subprocess.CompletedProcess:
@@ -127,15 +105,14 @@ def test_dollars_in_a_name_are_no_formula(tmp_path, capsys, name, picture) -> No
 
 
 @pytest.mark.slow
-def test_what_a_terminal_would_obey_reaches_it_as_text(tmp_path, capsys) -> None:
-    file = tmp_path / "\x1b[31mred.toml"
-    file.write_text(FRICTION)
-    assert run(["cycle", str(file), "--theta0-deg", "0"]) == 2
+def test_what_a_terminal_would_obey_reaches_it_as_text(here, capsys) -> None:
+    (here / "\x1b[31mred.toml").write_text(FRICTION)
+    assert run(["cycle", "\x1b[31mred.toml", "--theta0-deg", "0"]) == 2
     shown = capsys.readouterr()
     assert "\x1b" not in shown.out + shown.err and r"\x1b[31mred" in shown.err
-    data = tmp_path / "\x1b]0;title\x07.csv"
-    data.write_text("theta0_deg\n" + "".join(f"{3 * number}\n" for number in range(200)))
-    assert run(["fit", str(data), "--out", str(tmp_path)]) == 0
+    rows = "".join(f"{3 * number}\n" for number in range(200))
+    (here / "\x1b]0;title\x07.csv").write_text("theta0_deg\n" + rows)
+    assert run(["fit", "\x1b]0;title\x07.csv"]) == 0
     shown = capsys.readouterr()
     assert "\x1b" not in shown.out + shown.err and r"\x1b]0;title\x07" in shown.out
 

@@ -24,15 +24,22 @@ def here(tmp_path, monkeypatch) -> Path:
     """An empty current folder, and quick exhibits in place of four slow ones."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("CYCLEMAP_DATA", raising=False)
-    quick = {"staircases": _figure(), "table-friction": _table(), "locking-in": _animation(), "fingerprint": _failing()}
+    quick = {
+        "staircases": _figure(),
+        "table-friction": _table(),
+        "locking-in": _animation(),
+        "fingerprint": _figure(fails=True),
+    }
     monkeypatch.setattr(command, "load_exhibit", quick.__getitem__)
     return tmp_path
 
 
-def _figure() -> PaperFigure:
-    """It asks for a data file and counts its lines."""
+def _figure(fails: bool = False) -> PaperFigure:
+    """It asks for a data file and counts its lines, or fails."""
 
     def compute(measured):
+        if fails:
+            raise ConvergenceError("it does not converge; try again")
         file = measured.file("given.csv")
         return 0 if file is None else len(file.read_text().splitlines())
 
@@ -57,36 +64,25 @@ def _animation() -> PaperAnimation:
     return PaperAnimation(compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
 
 
-def _failing() -> PaperFigure:
-    def compute(measured):
-        raise ConvergenceError("it does not converge; try again")
-
-    return PaperFigure(compute=compute, draw=lambda _: new_figure(1, 1), caption=lambda _: "Never.")
-
-
 def test_without_a_name_all_are_listed_with_source_and_title(capsys) -> None:
     assert run(["figures"]) == 0
     shown = capsys.readouterr().out
     for entry in entries():
         (line,) = [line for line in shown.splitlines() if line.startswith(f"{entry.name} ")]
-        assert entry.title in line
-        assert entry.source in line
+        assert entry.title in line and entry.source in line
     assert run(["figures", "--json", "-"]) == 0
     listed = json.loads(capsys.readouterr().out)["figures"]
     assert [one["name"] for one in listed] == [entry.name for entry in CATALOGUE]
 
 
-def test_figures_tables_and_animations_are_written_with_an_index_of_their_captions(here, capsys) -> None:
+def test_figures_tables_and_animations_are_written_with_an_index_of_their_captions(here, printed) -> None:
     assert run(["figures", "locking-in", "table-friction", "staircases", "--out", "gallery", "--json", "-"]) == 0
-    report = json.loads(capsys.readouterr().out)
-    made = report["figures"]
-    assert report["failed"] == []
+    report, _ = printed()
+    made, folder = report["figures"], here / "gallery"
+    assert report["failed"] == [] and all(list(one) == KEYS for one in made)
     assert [one["name"] for one in made] == ["staircases", "table-friction", "locking-in"]
-    assert all(list(one) == KEYS for one in made)
-    folder = here / "gallery"
-    assert sorted(path.name for path in folder.iterdir()) == [
-        *("figures.json", "locking-in.gif", "staircases.png", "table-friction.csv")
-    ]
+    files = ["figures.json", "locking-in.gif", "staircases.png", "table-friction.csv"]
+    assert sorted(path.name for path in folder.iterdir()) == files
     assert json.loads((folder / "figures.json").read_text())["figures"] == made
     assert (folder / "staircases.png").read_bytes().startswith(b"\x89PNG")
     rows = list(csv.reader(io.StringIO((folder / "table-friction.csv").read_text())))
@@ -95,39 +91,31 @@ def test_figures_tables_and_animations_are_written_with_an_index_of_their_captio
         assert picture.n_frames == 3
 
 
-def test_an_earlier_index_is_kept_replaced_by_name_and_put_in_order(here, capsys) -> None:
-    assert run(["figures", "locking-in"]) == 0
-    assert run(["figures", "staircases", "--format", "svg"]) == 0
-    assert run(["figures", "staircases", "--format", "png"]) == 0
+def test_an_earlier_index_is_kept_replaced_by_name_and_put_in_order(here) -> None:
+    for arguments in (["locking-in"], ["staircases", "--format", "svg"], ["staircases", "--format", "png"]):
+        assert run(["figures", *arguments]) == 0
     lines = json.loads((here / "out" / "figures.json").read_text())["figures"]
-    assert [(one["name"], one["file"]) for one in lines] == [
-        ("staircases", "staircases.png"),
-        ("locking-in", "locking-in.gif"),
-    ]
+    expected = [("staircases", "staircases.png"), ("locking-in", "locking-in.gif")]
+    assert [(one["name"], one["file"]) for one in lines] == expected
 
 
-def test_measured_data_that_a_figure_finds_are_told_and_what_it_does_not_find_too(here, capsys) -> None:
+def test_people_are_told_caption_file_whole_tables_and_which_measured_data_were_found(
+    here, capsys, monkeypatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
     (here / "data").mkdir()
     assert run(["figures", "staircases", "table-friction", "--data", "data"]) == 0
     shown = capsys.readouterr().out
-    assert shown.count(NO_DATA) == 1
-    assert "0 lines." in shown
-    (here / "data" / "given.csv").write_text("a\nb\n")
-    assert run(["figures", "staircases", "--data", "data"]) == 0
-    shown = capsys.readouterr().out
-    assert "2 lines." in shown
-    assert "measured data: given.csv" in shown
-    line, other = json.loads((here / "out" / "figures.json").read_text())["figures"]
-    assert (line["measured"], other["measured"]) == ("given.csv", None)
-
-
-def test_people_are_told_title_caption_file_and_the_rows_of_a_table_whole(capsys, monkeypatch) -> None:
-    monkeypatch.setenv("COLUMNS", "40")
-    assert run(["figures", "table-friction"]) == 0
-    shown = capsys.readouterr().out
+    assert shown.count(NO_DATA) == 1 and "0 lines." in shown
     for part in ("Friction ellipses of the materials", "Friction.", "table-friction.csv", "plywood, table I", "0.2545"):
         assert part in shown
     assert "longer than a narrow terminal is wide" in shown
+    (here / "data" / "given.csv").write_text("a\nb\n")
+    assert run(["figures", "staircases", "--data", "data"]) == 0
+    shown = capsys.readouterr().out
+    assert "2 lines." in shown and "measured data: given.csv" in shown
+    line, other = json.loads((here / "out" / "figures.json").read_text())["figures"]
+    assert (line["measured"], other["measured"]) == ("given.csv", None)
 
 
 def test_one_that_fails_loses_none_of_the_others_and_is_told_with_exit_1(here, capsys) -> None:
@@ -142,10 +130,8 @@ def test_one_that_fails_loses_none_of_the_others_and_is_told_with_exit_1(here, c
 
 
 @pytest.mark.parametrize("text", ["{", '{"figures": [1]}', '{"figures": [{"name": "x"}]}', "[]"])
-def test_a_folder_with_another_kind_of_figures_json_is_left_alone(here, capsys, text) -> None:
+def test_a_folder_with_another_kind_of_figures_json_is_left_alone(here, refused, text) -> None:
     (here / "out").mkdir()
     (here / "out" / "figures.json").write_text(text)
-    assert run(["figures", "staircases"]) == 2
-    assert "not an index of figures" in capsys.readouterr().err
+    refused(["figures", "staircases"], "not an index of figures")
     assert (here / "out" / "figures.json").read_text() == text
-    assert [path.name for path in (here / "out").iterdir()] == ["figures.json"]

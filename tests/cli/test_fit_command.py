@@ -7,19 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cyclemap.cli.json_report import json_text
 from cyclemap.cli.main import run
 
 TURN = 2 * math.pi
 HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1\n"
 SET_KEYS = {"name", "source", "surface", "object", "acceleration_mm_s2", "speed_mm_s", "side", "fraction"}
 SET_KEYS |= {"angle_deg", "contacts", "pushes", "covered_deg", "statistics", "laws", "dtheta_histogram", "cycle_map"}
-
-
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def worn_path(count: int) -> np.ndarray:
@@ -43,7 +37,7 @@ def collection(file: Path, count: int = 120) -> Path:
 
 
 @pytest.mark.slow
-def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, printed) -> None:
+def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, printed, assert_written) -> None:
     collection(here / "pushes.csv")
     assert run(["fit", "pushes.csv", "--json", "-", "--out", "results"]) == 0
     report, _ = printed()
@@ -62,8 +56,7 @@ def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, printed) -> 
     assert (cycle["pairs"], cycle["wear_degree"], cycle["harmonics"]) == (120, 1, 1)
     assert cycle["late"]["slowest"]["theta_deg"] == pytest.approx(180.0, abs=10.0)
     assert len(cycle["forecast"]["full_turns"]) >= 2
-    assert {path.name for path in (here / "results").iterdir()} == {"fit_plywood_rect1.png", "fit_plywood_rect1.json"}
-    assert json.loads((here / "results" / "fit_plywood_rect1.json").read_text()) == found
+    assert_written(here / "results", "fit_plywood_rect1", json_text(found))
 
 
 @pytest.mark.slow
@@ -72,15 +65,7 @@ def test_people_get_both_tables_whole_the_sentences_and_the_picture(here, capsys
     assert run(["fit", "pushes.csv", "--format", "svg", "--no-wear", "--harmonics", "2", "--seed", "3"]) == 0
     shown = capsys.readouterr().out
     assert "…" not in shown
-    for part in (
-        "61 pushes read, in 1 set",
-        "Δθ (°)",
-        "Δy (mm)",
-        "RMSE",
-        "cv",
-        "wear unknown",
-        "fit_plywood_rect1.svg",
-    ):
+    for part in ("61 pushes read, in 1 set", "Δθ (°)", "Δy (mm)", "RMSE", "cv", "wear unknown", "plywood_rect1.svg"):
         assert part in shown
     assert "a law of θ0 with 2 harmonics leaves" in shown
     assert (here / "out" / "fit_plywood_rect1.svg").read_bytes().startswith(b"<?xml")
@@ -123,21 +108,16 @@ def test_a_set_too_small_for_anything_is_told_and_nothing_is_drawn(here, capsys)
     collection(here / "pushes.csv", count=9)
     assert run(["fit", "pushes.csv"]) == 0
     shown = capsys.readouterr().out
-    assert "nothing could be fitted" in shown
-    assert "too few pushes with a known end for a law: 10 of 20" in shown
-    assert not (here / "out").exists()
+    assert "nothing could be fitted" in shown and not (here / "out").exists()
 
 
 def test_a_folder_of_which_nothing_can_be_read_is_exit_1_with_the_first_reasons_and_the_count(here, capsys) -> None:
     for number in range(13):
         (here / f"bad{number:02}.json").write_text("{")
     assert run(["fit", "."]) == 1
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert len(shown.err.splitlines()) == 1
-    assert "no push could be read: bad00.json" in shown.err
-    assert shown.err.count(".json:") == 10
-    assert "and 3 more" in shown.err
+    (told,) = capsys.readouterr().err.splitlines()
+    assert "no push could be read: bad00.json" in told
+    assert told.count(".json:") == 10 and "and 3 more" in told
 
 
 @pytest.mark.parametrize(
@@ -153,13 +133,9 @@ def test_a_folder_of_which_nothing_can_be_read_is_exit_1_with_the_first_reasons_
         ([], "DATA"),
     ],
 )
-def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
+def test_bad_use_is_one_line_and_exit_2(here, refused, arguments, told) -> None:
     collection(here / "pushes.csv", count=5)
-    assert run(["fit", *arguments]) == 2
-    shown = capsys.readouterr()
-    assert told in shown.err
-    assert len(shown.err.splitlines()) == 1
-    assert not (here / "out").exists()
+    refused(["fit", *arguments], told)
 
 
 @pytest.mark.slow

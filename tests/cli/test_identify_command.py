@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 from functools import cache
 from pathlib import Path
 
@@ -22,13 +21,6 @@ KEYS += ["plates", "priors", "held"]
 KEYS += ["derived", "errors", "starts", "notes", "data"]
 HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1\n"
 RADIUS = 0.00475
-
-
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def push_file(path: Path, count: int = 8, surface: str = "slate") -> Path:
@@ -132,46 +124,31 @@ def test_fixed_and_started_values_are_taken(here, capsys) -> None:
         ([], "Missing argument"),
     ],
 )
-def test_bad_use_is_refused_in_one_line(here, capsys, arguments, words) -> None:
+def test_bad_use_is_refused_in_one_line(here, refused, arguments, words) -> None:
     push_file(here / "ends.csv", 5)
     push_file(here / "more.csv", 5, "felt")
     (here / "notes.txt").write_text("rod bent")
-    assert run(["identify", *arguments]) == 2
-    complaint = capsys.readouterr().err
-    assert words in complaint and complaint.count("\n") == 1
-    assert not (here / "out").exists()
+    refused(["identify", *arguments], words)
 
 
-def test_no_answer_from_any_start_is_a_failure(here, capsys) -> None:
+def test_no_answer_from_any_start_is_a_failure(here, refused) -> None:
     """A rod that starts 20 mm deep inside the object has no quasi-static push."""
     lines = (push_file(here / "ends.csv", 5)).read_text().splitlines()
     cells = [line.split(",") for line in lines[1:]]
     bad = [",".join([*row[:10], row[4], row[5], "0.9", "0.9"]) for row in cells]
     (here / "deep.csv").write_text("\n".join([lines[0], *bad]) + "\n")
-    assert run(["identify", "deep.csv", "--starts", "2"]) == 1
-    assert "none of 2 starts has an answer" in capsys.readouterr().err
-    assert not (here / "out").exists()
+    refused(["identify", "deep.csv", "--starts", "2"], "none of 2 starts has an answer", 1)
 
 
 @pytest.mark.slow
-def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch) -> None:
-    push_file(here / "ends.csv", 5)
-
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(os, "fsync", interrupted)
-    assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
-    assert list((here / "out").iterdir()) == []
-
-
-def test_pictures_that_cannot_be_drawn_leave_no_file(here, monkeypatch) -> None:
+@pytest.mark.parametrize(("place", "made"), [("os.fsync", True), ("cyclemap.cli.run_identify.render", False)])
+def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch, place, made) -> None:
     """All files are made before the first is written."""
     push_file(here / "ends.csv", 5)
 
-    def broken(*_: object, **__: object) -> None:
+    def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cyclemap.cli.run_identify.render", broken)
+    monkeypatch.setattr(place, interrupted)
     assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
-    assert not (here / "out").exists()
+    assert (here / "out").exists() is made and not list(here.glob("out/*"))

@@ -15,16 +15,16 @@ GHOST = ["staircase", "plywood", "--set", "hitch_x_mm=-6.9", "--set", "hitch_y_m
 FIVE = ("turn_deg", "offset_amplitude_deg", "offset_phase_deg", "ellipse_amplitude_deg", "ellipse_phase_deg")
 
 
-def staircase_file(folder: Path, cycles: int = 1_500) -> Path:
-    path = sample_staircase(CircleMap.arnold(0.11, 0.6), WrappedNormal(0.03), cycles, seed=1).theta
-    file = folder / "measured.csv"
-    rows = "".join(f"{math.degrees(theta) % 360:.4f}\n" for theta in path)
-    file.write_text("theta0_deg\n" + rows)
-    return file
+def staircase_file(folder: Path) -> Path:
+    path = sample_staircase(CircleMap.arnold(0.11, 0.6), WrappedNormal(0.03), 1_500, seed=1).theta
+    (folder / "measured.csv").write_text(
+        "theta0_deg\n" + "".join(f"{math.degrees(theta) % 360:.4f}\n" for theta in path)
+    )
+    return folder / "measured.csv"
 
 
 @pytest.mark.slow
-def test_json_tells_prediction_run_and_data_and_nothing_else(here, printed) -> None:
+def test_json_tells_prediction_run_and_data_and_nothing_else(here, printed, assert_written) -> None:
     data = staircase_file(here)
     assert run([*GHOST, "--data", str(data), "--json", "-", "--out", "pictures"]) == 0
     report, text = printed()
@@ -38,10 +38,7 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(here, printed) -> N
     assert len(report["run"]["heights_deg"]) == report["run"]["steps"] == len(report["run"]["dwells"]) - 1
     assert set(report["data"]) == RUN_KEYS - {"seed"} | {"fitted", "comparison"}
     assert report["data"]["fitted"]["noise_deg"] == pytest.approx(math.degrees(0.03), rel=0.1)
-    written = {path.name: path.read_bytes() for path in (here / "pictures").iterdir()}
-    assert set(written) == {"staircase_plywood.png", "staircase_plywood.json"}
-    assert written["staircase_plywood.png"].startswith(b"\x89PNG")
-    assert written["staircase_plywood.json"].decode() == text
+    assert_written(here / "pictures", "staircase_plywood", text)
 
 
 @pytest.mark.slow
@@ -53,20 +50,17 @@ def test_people_are_told_where_it_rests_how_long_and_how_high_it_climbs(here, ca
     assert (here / "out" / "staircase_plywood.svg").read_bytes().startswith(b"<?xml")
 
 
-def test_pairs_without_an_order_are_refused(here, capsys) -> None:
+def test_pairs_without_an_order_are_refused(here, refused) -> None:
     (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
-    assert run(["staircase", "plywood", "--data", "pairs.csv"]) == 2
-    assert "order" in capsys.readouterr().err
-
-
-def run_json(tmp_path, printed, *arguments):
-    assert run(["fingerprint", *arguments, "--out", str(tmp_path), "--json", "-"]) == 0
-    return printed()
+    refused(["staircase", "plywood", "--data", "pairs.csv"], "order")
 
 
 @pytest.mark.slow
-def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(tmp_path, printed) -> None:
-    report, text = run_json(tmp_path, printed, "plywood", "--check")
+def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(
+    here, printed, assert_written
+) -> None:
+    assert run(["fingerprint", "plywood", "--check", "--json", "-"]) == 0
+    report, text = printed()
     assert [report[key] for key in FIVE] == pytest.approx([8.0022, 117.279, 129.478, 101.365, -111.061], abs=1e-3)
     assert report["push"]["turn_deg"] + report["drag"]["turn_deg"] == pytest.approx(report["turn_deg"])
     prediction = report["prediction"]
@@ -82,23 +76,22 @@ def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full
         assert checked["miss_deg"] <= predicted["error_deg"]
     low, high = prediction["lock_in_scale_range"]
     assert low < prediction["lock_in_scale"] < high < 1.0
-    written = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert set(written) == {"fingerprint_plywood.png", "fingerprint_plywood.json"}
-    assert written["fingerprint_plywood.png"].startswith(b"\x89PNG")
-    assert written["fingerprint_plywood.json"].decode() == text
+    assert_written(here / "out", "fingerprint_plywood", text)
 
 
 @pytest.mark.slow
-def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(tmp_path, printed) -> None:
-    plain, _ = run_json(tmp_path, printed)
+def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(here, printed) -> None:
+    assert run(["fingerprint", "--json", "-"]) == 0
+    plain = printed()[0]
     assert set(plain) == {*FIVE, "push", "drag", "remainder_per_rad"}
     changes = ("--set", "push_mm=50", "--set", "mu_a=.26", "--set", "mu_b=.24", "--format", "svg")
-    changed, _ = run_json(tmp_path, printed, *changes)
+    assert run(["fingerprint", *changes, "--json", "-"]) == 0
+    changed = printed()[0]
     assert changed["turn_deg"] == pytest.approx(-1.5527, abs=1e-3) != plain["turn_deg"]
     assert changed["prediction"]["ellipticity"] == pytest.approx(0.5 * math.log(0.26 / 0.24))
     assert changed["prediction"]["offset"] == 0.0
-    written = {path.name for path in tmp_path.iterdir()}
-    assert {"fingerprint_protocol.png", "fingerprint_isotropic_changed.svg"} < written
+    names = {path.name for path in (here / "out").iterdir()}
+    assert {"fingerprint_protocol.png", "fingerprint_isotropic_changed.svg"} < names
 
 
 @pytest.mark.slow

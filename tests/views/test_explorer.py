@@ -76,15 +76,8 @@ def test_distribution_of_cells_is_that_of_the_transfer_operator(sigma_deg) -> No
 
 
 def test_copied_command_and_saved_protocol_are_the_loop_of_the_page(tmp_path) -> None:
-    moved = {
-        "hitch_x_mm": -7.5,
-        "mu_a": 0.3,
-        "phi_deg": 20.0,
-        "rim_share": 0.4,
-        "side": 1,
-        "push_mm": 80.0,
-        "noise_deg": 3.0,
-    }
+    moved = {"hitch_x_mm": -7.5, "mu_a": 0.3, "phi_deg": 20.0, "rim_share": 0.4, "side": 1, "push_mm": 80.0}
+    moved["noise_deg"] = 3.0
     found = explored(("plywood",), "plywood", {"pusher_mu": 0.2}).moved(moved)
     assert found.sigma == math.radians(3.0)
     words = shlex.split(found.command())

@@ -71,18 +71,18 @@ def test_the_prediction_is_drawn_with_its_error_its_directions_and_the_full_map(
     ],
 )
 def test_the_page_holds_the_numbers_and_the_sentences(prediction, panels, title) -> None:
-    page = fingerprint_page(FOUND, prediction, None, "wood")
+    page = fingerprint_page(FOUND, prediction, checked(LOCKED) if prediction is LOCKED else None, "wood")
     assert len(page.axes) == panels
     words = [text.get_text().replace("\n", " ") for text in page.texts]
     assert title in words[0] and sentences.protocol_sentence(FOUND) in words[1]
     assert all(number in words[-1] for number in sentences.five_numbers(FOUND.cycle))
+    if prediction is LOCKED:
+        assert "The full map locks into" in words[1]
+        assert "The prediction is 0.6° off, within its error." in words[1]
+    nothing = tuple(CheckedDirection(direction, None, math.inf) for direction in LOCKED.directions)
+    found = PredictionCheck(CircleMap.rigid(0.1), (), nothing)
+    assert sentences.check_sentence(found) == "The full map has no stable direction."
     assert render(page, "png", 60).startswith(b"\x89PNG")
-
-
-def test_the_checked_page_says_how_far_off_the_prediction_is() -> None:
-    page = fingerprint_page(FOUND, LOCKED, checked(LOCKED), "wood")
-    told = page.texts[1].get_text().replace("\n", " ")
-    assert "The full map locks into" in told and "The prediction is 0.6° off, within its error." in told
 
 
 def test_sentences_tell_locking_drifting_and_distrust() -> None:
@@ -120,9 +120,3 @@ def test_a_surface_that_locks_to_second_order_only_is_told_so() -> None:
     told = sentences.direction_sentence(edge, "wood")
     assert "no stable direction" in told and "leaves open" in told
     assert told.endswith(f"; to second order it locks into {math.degrees(stable.points[0]):.1f}°.")
-
-
-def test_a_full_map_without_the_predicted_direction_is_said_to_have_none() -> None:
-    full = CircleMap.rigid(0.1)
-    nothing = tuple(CheckedDirection(direction, None, math.inf) for direction in LOCKED.directions)
-    assert sentences.check_sentence(PredictionCheck(full, (), nothing)) == "The full map has no stable direction."

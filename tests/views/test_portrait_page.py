@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 import pytest
+from drawn_words import assert_words_apart
 from matplotlib.colors import to_rgb
-from matplotlib.text import Text
 
 from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -29,42 +28,10 @@ def axes_titled(page, title):
 
 def line_with(axes, x, y):
     """The lines of `axes` that run through exactly these points."""
+    wanted = np.column_stack([x, y])
     return [
-        line
-        for line in axes.lines
-        if np.shape(line.get_xdata()) == np.shape(x)
-        and np.allclose(line.get_xdata(), x)
-        and np.allclose(line.get_ydata(), y)
+        one for one in axes.lines if one.get_xydata().shape == wanted.shape and np.allclose(one.get_xydata(), wanted)
     ]
-
-
-@pytest.mark.slow
-def test_every_panel_names_its_quantities_with_units(drawn) -> None:
-    page = drawn("locked").page
-    labels = {axes.get_title(loc="left").split()[0]: (axes.get_xlabel(), axes.get_ylabel()) for axes in page.axes}
-    assert labels == {
-        "Turn": ("θ0, orientation before the push (°)", "turn of one cycle, f(θ0) - θ0 (°)"),
-        "Directions": ("θ0, orientation before the push (°)", "probability per degree"),
-        "Cobweb": ("θ0 (°)", "next θ0 (°)"),
-        "Staircase": ("cycle", "θ0, unwrapped (°)"),
-        "Push": ("x (mm)", "y (mm)"),
-        "Drag": ("x (mm)", "y (mm)"),
-    }
-
-
-@pytest.mark.slow
-def test_titles_stand_where_matplotlib_would_put_them(drawn) -> None:
-    """Their height is said, which saves a measuring of all tick labels; found by that measuring it is the same."""
-    page = drawn("locked", True).page
-    said, found = [], []
-    for axes in page.axes:
-        assert axes._autotitlepos is False
-        said.append(axes.title.get_position())
-        axes._autotitlepos = True
-        axes._update_title_position(page.canvas.get_renderer())
-        found.append(axes.title.get_position())
-        axes._autotitlepos = False
-    assert len(said) == 6 and said == found
 
 
 @pytest.mark.slow
@@ -73,42 +40,21 @@ def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -
     axes = axes_titled(result.page, "Turn")
     theta, turn = result.curves.turn.pieces[0]
     assert len(line_with(axes, np.rad2deg(theta), np.rad2deg(turn))) == 1
-    faces = {}
-    for line in axes.lines:
-        if line.get_marker() == "o":
-            faces[round(float(line.get_xdata()[0]), 6)] = line.get_markerfacecolor()
+    dots = [line for line in axes.lines if line.get_marker() == "o"]
+    faces = {round(float(dot.get_xdata()[0]), 6): dot.get_markerfacecolor() == style.PREDICTED for dot in dots}
     expected = {round(float(np.rad2deg(o.points[0])), 6): o.stable for o in result.portrait.fixed_points}
-    assert len(expected) == 2
-    assert {place: face == style.PREDICTED for place, face in faces.items()} == expected
+    assert len(expected) == 2 and faces == expected
 
 
 @pytest.mark.slow
-def test_jump_is_a_gap_with_a_dotted_connector(drawn) -> None:
-    result = drawn("jumping")
-    axes = axes_titled(result.page, "Turn")
-    dotted = [line for line in axes.lines if line.get_linestyle() == ":"]
-    assert [line.get_xdata()[0] for line in dotted] == [pytest.approx(np.rad2deg(2.0))]
-    solid = [line for line in axes.lines if line.get_linewidth() == 2.0]
-    assert len(solid) == 2
-    for line in solid:
-        assert np.abs(np.diff(line.get_ydata())).max() < 1.0
-
-
-@pytest.mark.slow
-def test_density_panel_draws_probability_per_degree(drawn) -> None:
+def test_density_is_per_degree_and_the_staircase_has_both_runs(drawn) -> None:
     result = drawn("rotating", True)
     axes = axes_titled(result.page, "Directions")
     line = next(line for line in axes.lines if line.get_label() == "predicted")
     assert np.trapezoid(line.get_ydata(), line.get_xdata()) == pytest.approx(1.0, abs=1e-5)
     measured = axes.patches[0].get_data()
     assert np.sum(measured.values * np.diff(measured.edges)) == pytest.approx(1.0)
-
-
-@pytest.mark.slow
-def test_staircase_panel_draws_both_runs(drawn) -> None:
-    result = drawn("rotating", True)
-    axes = axes_titled(result.page, "Staircase")
-    lines = {line.get_label(): line.get_ydata() for line in axes.lines}
+    lines = {line.get_label(): line.get_ydata() for line in axes_titled(result.page, "Staircase").lines}
     assert np.allclose(lines["predicted"], np.rad2deg(result.portrait.staircase.theta))
     assert np.allclose(lines["measured"], np.rad2deg(result.measured.pairs.path))
 
@@ -126,25 +72,7 @@ def test_cycle_is_drawn_to_scale_in_millimetres(drawn) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "data"), CASES)
 def test_words_stay_on_the_page_and_do_not_overlap(drawn, kind, data) -> None:
-    page = drawn(kind, data).page
-    page.canvas.draw()
-    boxes = [(text.get_text(), text.get_window_extent()) for text in words_on(page)]
-    assert len(boxes) > 40
-    for text, box in boxes:
-        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= page.bbox.x1 and box.y1 <= page.bbox.y1, text
-    collisions = [(one, two) for (one, a), (two, b) in combinations(boxes, 2) if a.shrunk(0.96, 0.8).overlaps(b)]
-    assert collisions == []
-
-
-def words_on(page) -> list[Text]:
-    words = list(page.texts)
-    for axes in page.axes:
-        words += [axes.title, axes._left_title, axes.xaxis.label, axes.yaxis.label, *axes.texts]
-        words += axes.get_legend().get_texts() if axes.get_legend() else []
-        for axis, (low, high), along in ((axes.xaxis, axes.get_xlim(), 0), (axes.yaxis, axes.get_ylim(), 1)):
-            # Tick labels beyond the axis are made but not drawn.
-            words += [label for label in axis.get_ticklabels() if low <= label.get_position()[along] <= high]
-    return [text for text in words if text.get_text().strip()]
+    assert_words_apart(drawn(kind, data).page)
 
 
 def test_predicted_and_measured_differ_in_a_grey_print() -> None:
@@ -158,23 +86,15 @@ def test_predicted_and_measured_differ_in_a_grey_print() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("picture_format", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_each_format_is_what_it_says_and_comes_out_the_same_twice(drawn, picture_format, start) -> None:
+    """A PNG has the shape of a talk's slide and is small; other formats are refused."""
     page = drawn("locked").page
     picture = render(page, picture_format)
-    assert picture.startswith(start)
-    assert render(page, picture_format) == picture
-
-
-def test_png_has_the_size_of_a_talk_slide_and_is_small(drawn) -> None:
-    picture = render(drawn("rotating", True).page)
+    assert picture.startswith(start) and render(page, picture_format) == picture
     width, height = (int.from_bytes(picture[at : at + 4], "big") for at in (16, 20))
-    assert width / height == pytest.approx(16 / 9, rel=0.01)
-    assert width >= 1600
-    assert len(picture) < 400_000
-
-
-def test_unknown_format_is_refused(drawn) -> None:
+    if picture_format == "png":
+        assert width / height == pytest.approx(16 / 9, rel=0.01) and width >= 1600 and len(picture) < 400_000
     with pytest.raises(InvalidInput, match="'gif' is unknown; use one of png, pdf, svg"):
-        render(drawn("locked").page, "gif")
+        render(page, "gif")
 
 
 def both(orientation_deg: float) -> str:
@@ -183,13 +103,19 @@ def both(orientation_deg: float) -> str:
 
 
 @pytest.mark.slow
-def test_headline_names_every_stable_direction_or_none(drawn) -> None:
-    assert sentences.headline(drawn("rotating").portrait) == "plywood locks into no direction"
+def test_headline_and_sentence_tell_where_it_locks_and_how_fast_or_the_pace(drawn) -> None:
     # Arnold: θ + 0.02π - 0.2 sin θ is fixed where sin θ = 0.1π.
-    assert (
-        sentences.headline(drawn("locked").portrait)
-        == f"plywood locks into {both(math.degrees(math.asin(0.1 * math.pi)))}"
-    )
+    locked = drawn("locked").portrait
+    assert sentences.headline(locked) == f"plywood locks into {both(math.degrees(math.asin(0.1 * math.pi)))}"
+    multiplier = 1 - 0.2 * math.cos(math.asin(0.1 * math.pi))
+    fast = f"a tenth of an error is left after {math.log(0.1) / math.log(multiplier):.0f} cycles."
+    assert sentences.lock_sentence(locked) == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
+    # 2πΩ = 7.2 and K = 5.7 degrees: the turn runs from their difference to their sum.
+    rotating = drawn("rotating").portrait
+    assert sentences.headline(rotating) == "plywood locks into no direction"
+    said = sentences.lock_sentence(rotating)
+    assert said.startswith("Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes ")
+    assert sentences.lock_sentence(drawn("jumping").portrait) == "Orbits gather about the jump at 114.6°."
 
 
 def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
@@ -236,27 +162,7 @@ def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None
     assert abs(curves.density - fresh).max() > 1.0
 
 
-def test_speed_of_locking_follows_from_the_multiplier(drawn) -> None:
-    multiplier = 1 - 0.2 * math.cos(math.asin(0.1 * math.pi))
-    tenth = math.log(0.1) / math.log(multiplier)
-    said = sentences.lock_sentence(drawn("locked").portrait)
-    fast = f"a tenth of an error is left after {tenth:.0f} cycles."
-    assert said == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
-
-
-@pytest.mark.slow
-def test_without_fixed_points_the_pace_is_told(drawn) -> None:
-    # 2πΩ = 7.2 and K = 5.7 degrees: the turn runs from their difference to their sum.
-    said = sentences.lock_sentence(drawn("rotating").portrait)
-    assert said.startswith("Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes ")
-
-
-@pytest.mark.slow
-def test_attracting_jump_is_told(drawn) -> None:
-    assert sentences.lock_sentence(drawn("jumping").portrait) == "Orbits gather about the jump at 114.6°."
-
-
-def test_noise_and_staircase_sentences_carry_the_numbers(drawn) -> None:
+def test_sentences_of_noise_staircase_agreement_and_parameters_carry_the_numbers(drawn) -> None:
     found = drawn("rotating").portrait
     assert "With 1.1° of noise a cycle the recorded directions peak at" in sentences.noise_sentence(found)
     flat = replace(found, prediction=replace(found.prediction, step=None, mean_turn=math.radians(4.321)))
@@ -264,15 +170,9 @@ def test_noise_and_staircase_sentences_carry_the_numbers(drawn) -> None:
     steps = replace(found.prediction, step=2 * math.pi, mean_residence_cycles=257.4, mean_turn=math.radians(0.9))
     said = sentences.staircase_sentence(replace(found, prediction=steps))
     assert "rests 257 cycles on a step, steps are 360° high, and on average θ0 moves 0.90° a cycle" in said
-
-
-def test_agreement_sentence_gives_both_distances() -> None:
     said = sentences.agreement_sentence(MapAgreement(1996, math.radians(7.06), 62, math.radians(12.3)))
-    assert said == ("1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 directions 12.3°.")
-
-
-def test_parameters_line_holds_the_protocol(drawn) -> None:
-    said = sentences.parameters_line(drawn("locked").portrait)
+    assert said == "1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 directions 12.3°."
+    said = sentences.parameters_line(found)
     for part in ("μa 0.2545", "μb 0.2346", "m0 0.0325", "n0 0.0082", "φ 150.0°", "rod ⌀ 9.5 mm, μ 0.15"):
         assert part in said
 
@@ -283,11 +183,8 @@ def test_parameters_line_holds_the_protocol(drawn) -> None:
 )
 def test_counts_are_short(value, said) -> None:
     assert sentences.number(value) == said
-
-
-def test_angles_never_say_minus_zero() -> None:
-    assert sentences.angle(-1e-9) == "0.0°"
-    assert sentences.angle(math.radians(-65.04)) == "−65.0°"
+    # No angle says minus zero.
+    assert (sentences.angle(-1e-9), sentences.angle(math.radians(-65.04))) == ("0.0°", "−65.0°")
 
 
 def test_a_material_says_where_it_is_from_and_what_it_misses() -> None:

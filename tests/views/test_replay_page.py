@@ -53,20 +53,6 @@ def test_every_push_is_drawn_once_in_each_upper_panel(kinds) -> None:
     assert render(page).startswith(b"\x89PNG")
 
 
-@pytest.mark.slow
-def test_a_course_shows_the_object_before_and_after_where_it_was() -> None:
-    replayed = made(["rect1"])
-    (replay,) = replayed.replays
-    course = replay_page(replayed, "abs").axes[4]
-    before, measured, _, predicted, _, rod, start = course.lines
-    assert np.mean(before.get_xydata()[:4], axis=0) == pytest.approx(1e3 * replay.measured[0, :2], abs=1e-9)
-    assert np.mean(measured.get_xydata()[:4], axis=0) == pytest.approx(1e3 * replay.measured[-1, :2])
-    assert np.mean(predicted.get_xydata()[:4], axis=0) == pytest.approx(1e3 * replay.predicted[-1, :2])
-    assert rod.get_xydata() == pytest.approx(1e3 * replay.tip)
-    assert start.get_xydata()[0] == pytest.approx(1e3 * replay.tip[0])
-    assert course.get_title(loc="left") == "rect1: off 1.0 mm, 1.0°"
-
-
 def test_the_headline_counts_pushes_and_tells_the_mean_errors() -> None:
     assert replay_headline(made(["hex"])) == "1 push replayed: it ends 1.0 mm and 1.0° off on average."
     told = replay_headline(made(["hex", "rect1", "hex"]))

@@ -9,19 +9,10 @@ from drawn_panels import faces, labelled, legend_words, panel, png, written
 
 from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
-from cyclemap.maps import (
-    CircleMap,
-    DriftingMap,
-    WrappedNormal,
-    compare_steps,
-    find_steps,
-    predict_drift,
-    predict_staircase,
-    sample_staircase,
-)
+from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircase
 from cyclemap.views import staircase_page as sentences
 from cyclemap.views.staircase_page import staircase_page
-from cyclemap.views.step_panels import draw_drift, draw_step_lengths, draw_steps
+from cyclemap.views.step_panels import draw_step_lengths, draw_steps
 from cyclemap.views.style import MEASURED, UNSTABLE, render
 
 GHOST, WELL, TURNING = (0.0955, 0.6), (0.1, 0.9), (0.3, 0.0)
@@ -77,38 +68,30 @@ def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
     assert all(place == 360.0 * int(words.replace("−", "-")) for words, place in ticks.items())
 
 
-def test_counts_have_whole_ticks_even_where_there_is_one(forecast) -> None:
-    """A single dwell stands over the tick 1, not between fractions of dwells."""
-    lengths = staircase_page(forecast(*WELL)).axes[2]
-    assert all(float(tick).is_integer() for tick in lengths.get_xticks())
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("law", [GHOST, WELL, TURNING])
-def test_every_kind_of_staircase_can_be_rendered(forecast, law) -> None:
-    assert render(staircase_page(forecast(*law))).startswith(b"\x89PNG")
+def test_every_kind_of_staircase_can_be_rendered_with_whole_counts(forecast, law) -> None:
+    """A single dwell stands over the tick 1, not between fractions of dwells; a rotation has none."""
+    page = staircase_page(forecast(*law))
+    assert render(page).startswith(b"\x89PNG")
+    assert all(float(tick).is_integer() for tick in page.axes[2].get_xticks())
+    rests = law != TURNING
+    assert (written(page.axes[2]) == []) is rests
+    assert ("rests nowhere: it moves 108.00° a cycle" in sentences.forecast_sentence(forecast(*law))) is not rests
 
 
-def test_a_ghost_is_told_with_its_rest_and_its_steps(forecast) -> None:
-    found = forecast(*GHOST)
-    zone = found.prediction.zones[0]
-    said = sentences.forecast_sentence(found)
-    place, rest = math.degrees(zone.centre), zone.residence_cycles
-    assert said.startswith(
-        f"With 1.7° of noise a cycle θ0 rests near {place:.1f}° for {rest:.0f} cycles; steps are 360°"
-    )
-
-
-def test_a_rest_beyond_every_float_is_told_by_its_power_of_ten(forecast) -> None:
-    found = forecast(*WELL)
-    power = math.floor(found.log10_residences[0])
+def test_rests_are_told_by_their_length_or_by_its_power_of_ten(forecast) -> None:
+    ghost, well = forecast(*GHOST), forecast(*WELL)
+    (zone, *_), power = ghost.prediction.zones, math.floor(well.log10_residences[0])
+    place = f"{math.degrees(zone.centre):.1f}° for {zone.residence_cycles:.0f} cycles"
+    told = f"With 1.7° of noise a cycle θ0 rests near {place}; steps are 360°"
+    assert sentences.forecast_sentence(ghost).startswith(told)
     assert power > 200
-    assert f"for 10^{power} cycles; steps are 360° high, none to be expected." in sentences.forecast_sentence(found)
-    assert "it stays at" in sentences.run_sentence(found)
-
-
-def test_a_rotation_rests_nowhere(forecast) -> None:
-    assert "rests nowhere: it moves 108.00° a cycle" in sentences.forecast_sentence(forecast(*TURNING))
+    assert f"for 10^{power} cycles; steps are 360° high, none to be expected." in sentences.forecast_sentence(well)
+    assert "it stays at" in sentences.run_sentence(well)
+    axes = panel()
+    draw_step_lengths(axes, well.steps, well.comparison)
+    assert legend_words(axes)[-1] == "predicted more than 10^12, beyond the panel" and axes.get_ylim()[1] < 10_000.0
 
 
 def test_measured_and_fitted_sentences_carry_the_numbers(measured) -> None:
@@ -136,29 +119,6 @@ def test_bars_lie_on_the_dwells_and_are_open_where_censored() -> None:
     assert written(axes) == ["0.0°", "57.3°", "114.6°"]
     assert legend_words(axes) == ["path", "dwell not seen whole", "dwell"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("cycle", "θ, unwrapped (°)")
-    png(axes)
-
-
-def test_many_dwells_are_not_named() -> None:
-    path = sample_staircase(GHOST_MAP, STEP_NOISE, 400).theta
-    steps = find_steps(path)
-    axes = panel()
-    draw_steps(axes, path, steps)
-    assert len(bars(axes)) == steps.levels.size > 12 and written(axes) == []
-    png(axes)
-
-
-def test_path_without_dwells_is_drawn_alone() -> None:
-    path = np.linspace(0.0, 60.0, 300)
-    steps = find_steps(path)
-    assert steps.levels.size == 0
-    axes = panel()
-    draw_steps(axes, path, steps)
-    assert len(axes.lines) == 1
-    png(axes)
-    axes = panel()
-    draw_step_lengths(axes, steps)
-    assert written(axes) == ["no dwell"]
     png(axes)
 
 
@@ -195,45 +155,6 @@ def test_lengths_stand_in_order_beside_their_mean_and_the_prediction() -> None:
     assert labelled(axes, "predicted").get_ydata()[0] == comparison.predicted_length
     assert axes.get_ylabel() == "length (cycles)" and axes.get_ylim()[0] == 0.0
     png(axes)
-
-
-def test_one_censored_dwell_has_no_mean_but_the_prediction_stays() -> None:
-    locked = CircleMap.arnold(0.0, 0.9)
-    path = sample_staircase(locked, STEP_NOISE, 60).theta
-    prediction = predict_staircase(locked, STEP_NOISE)
-    steps = find_steps(path, zones=prediction.zones)
-    assert steps.censored.tolist() == [True]
     axes = panel()
-    draw_step_lengths(axes, steps, compare_steps(steps, prediction))
-    assert legend_words(axes)[0] == "lasted longer than seen"
-    assert not any(words.startswith("mean") for words in legend_words(axes))
-    assert legend_words(axes)[-1] == "predicted more than 10^12, beyond the panel"
-    assert axes.get_ylim()[1] < 100.0
-    png(axes)
-
-
-# -- drift -------------------------------------------------------------------------------------------------
-
-
-def test_drift_shows_turn_and_residence_on_their_own_axes() -> None:
-    noise = WrappedNormal(0.3)
-    worn = DriftingMap.between([(0, CircleMap.arnold(0.16, 0.9)), (999, CircleMap.arnold(0.12, 0.9))])
-    drift = predict_drift(worn, noise, 1000, 3)
-    axes = panel()
-    draw_drift(axes, drift)
-    (other,) = [twin for twin in axes.get_figure().axes if twin is not axes]
-    assert labelled(axes, "mean turn").get_ydata() == pytest.approx(np.degrees(drift.mean_turn))
-    assert labelled(other, "mean residence").get_ydata() == pytest.approx(drift.mean_residence_cycles)
-    assert (axes.get_ylabel(), other.get_ylabel()) == ("mean turn (° a cycle)", "mean residence (cycles)")
-    assert legend_words(axes)[:2] == ["mean turn", "mean residence"]
-    assert legend_words(axes)[2].startswith(f"in all {drift.turns:.3g} turns, give or take ")
-    png(axes)
-
-
-def test_drift_without_slow_zones_has_no_residence() -> None:
-    worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
-    axes = panel()
-    draw_drift(axes, predict_drift(worn, WrappedNormal(0.3), 100, 2))
-    assert axes.get_figure().axes == [axes]
-    assert legend_words(axes)[1].startswith("in all 20 turns")
-    png(axes)
+    draw_step_lengths(axes, find_steps(np.linspace(0.0, 60.0, 300)))
+    assert written(axes) == ["no dwell"]

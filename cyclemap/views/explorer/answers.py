@@ -217,7 +217,13 @@ def _drawn(
     for _ in range(shown):
         cycle = loop.cycle(orbit[-1])
         orbit.append(cycle.theta_next)
-        courses.append([_course(stroke) for stroke in (cycle.trajectory.push, cycle.trajectory.drag)])
+        # Frames (x, y in mm, theta in deg, rod x, rod y in mm) of each stroke, evenly spread over the rod's way.
+        strokes = []
+        for stroke in (cycle.trajectory.push, cycle.trajectory.drag):
+            places = np.linspace(stroke.path[0], stroke.path[-1], _FRAMES)
+            columns = [*(1e3 * stroke.pose[:, :2].T), np.degrees(stroke.pose[:, 2]), *(1e3 * stroke.pusher.T)]
+            strokes.append(_listed(np.transpose([np.interp(places, stroke.path, one) for one in columns]), 2))
+        courses.append(strokes)
     return {
         "turn": _listed(np.degrees(circle_map.turn(theta)), 3),
         "fixed_points": [
@@ -233,14 +239,6 @@ def _drawn(
         "courses": courses,
         "scene": scene(loop),
     }
-
-
-def _course(trajectory: object) -> list[object]:
-    """Frames (x, y in mm, theta in deg, rod x, rod y in mm) of a stroke, evenly spread over the rod's way."""
-    pose, rod, path = trajectory.pose, trajectory.pusher, trajectory.path  # type: ignore[attr-defined]
-    places = np.linspace(path[0], path[-1], _FRAMES)
-    columns = [*(1e3 * pose[:, :2].T), np.degrees(pose[:, 2]), *(1e3 * rod.T)]
-    return _listed(np.transpose([np.interp(places, path, column) for column in columns]), 2)
 
 
 def _listed(values: object, decimals: int) -> list[object]:

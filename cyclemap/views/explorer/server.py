@@ -110,9 +110,9 @@ class _Request(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         if self.headers.get_all("Host") != [self.server.origin.removeprefix("http://")]:
-            self._send_words(HTTPStatus.FORBIDDEN, "this host is not served")
+            self._send(HTTPStatus.FORBIDDEN, "text/plain", b"this host is not served")
         elif (found := self.server.files.get(self.path)) is None:
-            self._send_words(HTTPStatus.NOT_FOUND, "there is no such page")
+            self._send(HTTPStatus.NOT_FOUND, "text/plain", b"there is no such page")
         else:
             self._send(HTTPStatus.OK, *found)
 
@@ -121,7 +121,7 @@ class _Request(BaseHTTPRequestHandler):
         if refused is not None:
             # The body is not read: the connection cannot go on.
             self.close_connection = True
-            self._send_words(*refused)
+            self._send(refused[0], "text/plain", refused[1].encode())
             return
         try:
             asked = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
@@ -149,9 +149,6 @@ class _Request(BaseHTTPRequestHandler):
         if len(length[0]) > 9 or int(length[0]) > LONGEST_BODY:
             return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request has at most {LONGEST_BODY} bytes"
         return None
-
-    def _send_words(self, status: HTTPStatus, words: str) -> None:
-        self._send(status, "text/plain", words.encode())
 
     def _send(self, status: HTTPStatus, kind: str, body: bytes) -> None:
         self.send_response(status)

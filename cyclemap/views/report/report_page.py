@@ -107,17 +107,13 @@ def report_html(
     drawing = _file("explorer/drawing.js").replace("export class", "class")
     script = f"{drawing}\n{_file('report/report.js')}"
     answer = of_portrait(portrait, start)
+    versions = [f"{name} {metadata.version(name)}" for name in _PACKAGES]
     provenance = [
         ("command", command),
         ("seed", str(portrait.staircase.seed)),
         *((f"input {path.name}", f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}") for path in inputs),
         ("material", portrait.loop.material.provenance or "as named on the command line"),
-        (
-            "versions",
-            ", ".join(
-                [f"{name} {metadata.version(name)}" for name in _PACKAGES] + [f"Python {platform.python_version()}"]
-            ),
-        ),
+        ("versions", ", ".join([*versions, f"Python {platform.python_version()}"])),
     ]
     policy = (
         f"default-src 'none'; script-src {_digest(plot)} {_digest(script)}; style-src {_digest(style)}; img-src data:; "
