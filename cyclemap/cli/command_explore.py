@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.options import PATH, LoopOptions, protocol_options
+from cyclemap.cli.options import PATH, LoopOptions, measured_orientations, protocol_options, table_options
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,17 +19,19 @@ if TYPE_CHECKING:
 
 @click.command("explore")
 @protocol_options
-@click.option("--data", metavar="CSV", type=PATH, help="Measured θ0 to lay over the curves.")
+@click.option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves.")
+@table_options
 @click.option(
     "--browser/--no-browser", default=True, show_default=False, help="Open the page, or only print its address."
 )
-def explore_command(options: LoopOptions, data: Path | None, browser: bool) -> None:
+def explore_command(
+    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, browser: bool
+) -> None:
     """Move sliders and see the object move, its map, its stable directions and its staircase, in the browser.
 
     MATERIAL is plywood where none is given. The page is served on this machine only; Ctrl-C ends it.
     """
     from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
-    from cyclemap.evidence import read_theta0_pairs
     from cyclemap.views.explorer.answers import coarse, exact, explored, measured
     from cyclemap.views.explorer.server import ExplorerServer
 
@@ -37,7 +39,7 @@ def explore_command(options: LoopOptions, data: Path | None, browser: bool) -> N
     chosen_loop(LoopOptions(material, options.protocol, options.settings))
     settings = {**protocol_of(options)[0], **set_settings(options.settings)}
     begun = explored((material,), material, settings)
-    pairs = None if data is None else read_theta0_pairs(data)
+    pairs = measured_orientations(data, columns, units, Path("out"))
 
     def start(asked: Answer, check: Callable[[float], None]) -> Answer:
         return {"material": begun.loop.material.name, "controls": begun.controls(), "measured": measured(pairs)}

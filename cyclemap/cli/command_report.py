@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.options import PATH, LoopOptions, loop_options
+from cyclemap.cli.options import PATH, LoopOptions, loop_options, readable_data, table_options
 
 if TYPE_CHECKING:
     from cyclemap.collection.portrait import Portrait, Progress
@@ -35,15 +35,18 @@ BIBTEX = """@article{ma2018friction,
 @click.command("report")
 @loop_options
 @click.option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by.")
+@table_options
 @click.option("--reset", is_flag=True, help="Also find a reset without bias, with its files (some ten seconds).")
 @click.option("--out", metavar="DIR", type=PATH, default="out", help="Where.")
-def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Path) -> None:
+def report_command(
+    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, reset: bool, out: Path
+) -> None:
     """Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance."""
     from cyclemap.cli.output import file_stem, progress_bar
     from cyclemap.cli.settings import chosen_loop
     from cyclemap.collection.portrait import DEFAULT_SIGMA, portrait
     from cyclemap.collection.portrait_curves import portrait_curves
-    from cyclemap.evidence import read_theta0_pairs
+    from cyclemap.evidence.comparison.collection_data import collection_data
     from cyclemap.plain_text import typeset
     from cyclemap.views.portrait_page import portrait_page
     from cyclemap.views.report.report_page import Section, report_html, ring_answers
@@ -52,10 +55,12 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
 
     loop, chosen = chosen_loop(options)
     sigma = DEFAULT_SIGMA if chosen is None else chosen
-    pairs = None if data is None or data.suffix.lower() != ".csv" else read_theta0_pairs(data)
-    start = 0.0 if pairs is None or pairs.path is None else float(pairs.path[0])
+    data = None if data is None else readable_data(data, columns, units, out)
+    pairs = None if data is None else collection_data(data, loop).pairs
+    path = None if pairs is None else pairs.path
+    start = 0.0 if path is None else float(path[0])
     with progress_bar(f"report on {loop.material.name}") as progress:
-        cycles = 2000 if pairs is None or pairs.path is None else max(len(pairs.path) - 1, 1)
+        cycles = 2000 if path is None else len(path) - 1
         found = portrait(loop, sigma=chosen, cycles=cycles, start=start, progress=lambda share: progress(0.4 * share))
         rings = ring_answers(loop, sigma, start, lambda share: progress(0.4 + 0.2 * share))
         sections: list[Section] = []

@@ -17,6 +17,7 @@ from cyclemap.cli.options import (
     RunRequest,
     Whole,
     loop_options,
+    measured_orientations,
     protocol_options,
     readable_data,
     result_options,
@@ -55,21 +56,29 @@ def cycle_command(options: LoopOptions, theta0_deg: str, out: Path | None, json_
 @click.command("portrait")
 @loop_options
 @run_options
-def portrait_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+def portrait_command(
+    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, json_target: str | None,
+    **request: Any,
+) -> None:  # fmt: skip
     """Compute the cycle map of a material, tell what it implies, and draw it."""
     from cyclemap.cli.run_portrait import run_portrait
 
-    run_portrait(options, RunRequest(**request), json_target)
+    measured = measured_orientations(data, columns, units, request["out"])
+    run_portrait(options, RunRequest(measured, **request), json_target)
 
 
 @click.command("staircase")
 @loop_options
 @run_options
-def staircase_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+def staircase_command(
+    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, json_target: str | None,
+    **request: Any,
+) -> None:  # fmt: skip
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
     from cyclemap.cli.run_staircase import run_staircase
 
-    run_staircase(options, RunRequest(**request), json_target)
+    measured = measured_orientations(data, columns, units, request["out"])
+    run_staircase(options, RunRequest(measured, **request), json_target)
 
 
 @click.command("fingerprint")

@@ -8,12 +8,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number, plain_whole
+
+if TYPE_CHECKING:
+    from cyclemap.evidence import Theta0Pairs
 
 _QUIET = "cyclemap.quiet"
 PATH: Any = click.Path(path_type=Path)
@@ -31,9 +34,9 @@ class LoopOptions:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """What is asked of a command that predicts a run: its measured data, its length, and where results go."""
+    """What is asked of a command that predicts a run: what was measured, its length, and where results go."""
 
-    data: Path | None
+    data: Theta0Pairs | None
     cycles: int | None
     seed: int
     out: Path
@@ -86,7 +89,8 @@ theta0_option = click.option(
 def run_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give `command` the options of a command that predicts a run of cycles."""
     decorators: list[Callable[[Any], Any]] = [
-        click.option("--data", metavar="CSV", type=PATH, help="Measured θ0 to set beside it."),
+        click.option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to set beside it."),
+        table_options,
         click.option(
             "--cycles", type=Whole(1, MOST_CYCLES), help="Length of the staircase. [default: 2000, or the data's]"
         ),
@@ -204,3 +208,12 @@ def readable_data(data: Path, columns: str | None, units: str | None, out: Path)
     tell_what_was_read((*found.words, f"written as {target}"), found.guessed)
     write_whole(target, found.csv_text().encode())
     return target
+
+
+def measured_orientations(data: Path | None, columns: str | None, units: str | None, out: Path) -> Theta0Pairs | None:
+    """The pairs of θ0 that data in any form tell; None without data."""
+    if data is None:
+        return None
+    from cyclemap.evidence.comparison.collection_data import measured_pairs
+
+    return measured_pairs(readable_data(data, columns, units, out))

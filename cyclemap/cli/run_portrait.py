@@ -22,13 +22,8 @@ if TYPE_CHECKING:
 
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    chosen, pairs = chosen_collection(options).simplified(), None
+    chosen, pairs = chosen_collection(options).simplified(), request.data
     loop, sigma = chosen.loop, chosen.sigma
-    if request.data is not None:
-        # Measured data, and all that belongs to it, are loaded only where there are some.
-        from cyclemap.evidence import read_theta0_pairs
-
-        pairs = read_theta0_pairs(request.data)
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait
 

@@ -6,7 +6,7 @@ from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.collection.staircase_forecast import staircase_forecast
-from cyclemap.evidence import measured_staircase, read_theta0_pairs
+from cyclemap.evidence import measured_staircase
 from cyclemap.views import staircase_page
 from cyclemap.views.sentences import uncertainty_sentence
 
@@ -15,7 +15,7 @@ def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | 
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
     chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, chosen.sigma
-    measured = None if request.data is None else measured_staircase(read_theta0_pairs(request.data), request.seed)
+    measured = None if request.data is None else measured_staircase(request.data, request.seed)
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_staircase
 

@@ -102,19 +102,7 @@ def collection_data(
     """
     start = whole_number("first", first, least=0)
     length = math.nan if push_length is None else positive_number("push_length", push_length)
-    given = data
-    if isinstance(data, str | Path):
-        path = Path(data)
-        csv = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
-        # A CSV file of θ0 alone is read as pairs, which keep their path.
-        if csv and not set(read_csv_table(path).header) >= _POSES:
-            given = read_theta0_pairs(path)
-        else:
-            given = load_pushes(path, progress=progress)
-            if not len(given.table):
-                bad = given.unreadable
-                worst = f"; the first: {bad[0].path}: {bad[0].reason}" if bad else ""
-                raise InvalidInput(f"{path}: no push could be read, {len(bad)} files are bad{worst}")
+    given = _read(Path(data), progress) if isinstance(data, str | Path) else data
     if isinstance(given, Theta0Pairs):
         if select:
             raise InvalidInput(f"the data are orientations alone and tell no {next(iter(select))}: select nothing")
@@ -122,6 +110,33 @@ def collection_data(
     if isinstance(given, PushTable):
         return _of_table(replace(given, table=selected_pushes(given.table, select or {})), loop, start, length)
     raise InvalidInput(f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path")
+
+
+def _read(path: Path, progress: Callable[[float], None] | None = None) -> PushTable | Theta0Pairs:
+    """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
+    if path.suffix.lower() == CSV_SUFFIX and not path.is_dir() and not set(read_csv_table(path).header) >= _POSES:
+        return read_theta0_pairs(path)
+    table = load_pushes(path, progress=progress)
+    if not len(table.table):
+        worst = f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}" if table.unreadable else ""
+        raise InvalidInput(f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}")
+    return table
+
+
+def measured_pairs(path: str | Path) -> Theta0Pairs:
+    """The pairs of θ0 in data of any form: a CSV table of θ0 or of poses, a file or folder in the MIT layout.
+
+    Of several sets it takes the one with most cycles. Raises InvalidInput where no push tells what came before the
+    next one, DataFileError for a bad file.
+    """
+    given = _read(Path(path))
+    if isinstance(given, Theta0Pairs):
+        return given
+    if not np.isfinite(given.table["theta_next"]).any():
+        raise InvalidInput(f"{path}: no push tells the orientation before the next one, and so what a cycle does")
+    pairs = collection_data(given, None).pairs
+    assert pairs is not None  # or nothing would have been left
+    return pairs
 
 
 def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> CollectionData:
