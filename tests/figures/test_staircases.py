@@ -39,35 +39,11 @@ def test_pu_never_rests_and_the_others_keep_a_direction(result) -> None:
     assert np.cos(np.mean(one_abs.climb.path[1000:]) - np.deg2rad(150.0)) > np.cos(np.deg2rad(15.0))
 
 
-def test_the_caption_tells_steps_rests_and_turns(result) -> None:
-    told = caption(result)
-    plywood, one_abs, _, pu = result
-    heights = np.degrees(np.diff(plywood.climb.steps.levels))
-    assert f"makes {heights.size} steps of {np.median(heights):.0f}° ({heights.min():.0f}° to" in told
-    assert f"rests of {np.median(plywood.climb.steps.lengths):.0f} pushes" in told
-    for one in (plywood, pu):
-        climbed = (one.climb.path[-1] - one.climb.path[0]) / (2 * np.pi)
-        assert f"ends {climbed:+.1f} turns from its start" in told
-    assert f"210°, for {one_abs.climb.first_stay} pushes (paper: about 150)" in told
-    assert told.endswith(f"Recorded θ0 on plywood, abs, delrin and pu: {NO_DATA}.")
-
-
 def test_the_range_of_runs_holds_most_of_each_drawn_run(result) -> None:
     for one in result:
         inside = (one.lower - 1e-9 <= one.climb.path) & (one.climb.path <= one.upper + 1e-9)
         assert np.mean(inside) > 0.5, one.run.surface
         assert one.turns.size == RUNS and one.lower.size == LONG.pushes
-
-
-@pytest.mark.slow
-def test_the_plywood_panel_shows_measured_and_predicted_together(measured) -> None:
-    figure = draw(measured)
-    names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-    assert sorted(names) == ["95 % of predicted runs", "measured", "predicted"]
-    lines = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
-    assert lines["measured"].size == lines["predicted"].size == 2000
-    assert lines["measured"] == pytest.approx(np.degrees(measured[0].recorded.path))
-    assert_words_apart(figure)
 
 
 def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(measured) -> None:
@@ -90,6 +66,7 @@ def test_axes_have_labels_with_units_and_a_recorded_set_is_drawn(tmp_path_factor
     climbs = [np.ptp(one.climb.path) > 1.1 * 4 * np.pi for one in found]
     assert any(climbs) and all(unit == "(turns)" for unit, climbing in zip(units, climbs, strict=True) if climbing)
     assert set(units) <= {"(turns)", "(°)"}
+    assert_words_apart(figure)
     assert found[1].recorded.path.size == RECORDED_ABS and found[3].recorded is None
     assert f"The recorded path of {RECORDED_ABS} pushes" in caption(found)
 

@@ -6,7 +6,7 @@ from drawn_words import assert_words_apart
 from figure_cases import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
-from cyclemap.figures.theta0_histograms import NEAR, PEAK_WORDS, UNIFORM, caption, compute, draw, share_near
+from cyclemap.figures.theta0_histograms import PEAK_WORDS, UNIFORM, caption, compute, draw, share_near
 from cyclemap.views.fit_page import CIRCLE
 
 
@@ -34,33 +34,6 @@ def test_pu_has_no_sharp_peak_and_the_paper_none(result) -> None:
     pu = result[3]
     assert pu.run.published.directions == () and PEAK_WORDS["pu"] == ()
     assert pu.density.max() < 3.5 * UNIFORM and pu.density.min() > 0.1 * UNIFORM
-
-
-@pytest.mark.slow
-def test_the_caption_tells_peaks_and_shares(result) -> None:
-    told = caption(result)
-    for one in result[:3]:
-        for peak in one.peaks:
-            assert f"{np.degrees(peak):.0f}°" in told
-        apart = np.abs(np.angle(np.exp(1j * np.subtract.outer(one.run.pushes.theta, one.run.published.directions))))
-        share = np.mean(np.min(apart, axis=1) <= NEAR)
-        assert f"{share:.0%} of the simulated pushes start within 30°" in told
-    assert "100° high and 280° small" in told and "210° small and 150° high" in told and "80° only" in told
-
-
-def test_the_papers_peaks_are_marked_where_they_are(result) -> None:
-    figure = draw(result)
-    for axes, places in zip(figure.axes, ([100, 280], [150, 210], [80], []), strict=True):
-        lines = [line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 2 and line.get_ls() == "--"]
-        assert sorted(lines) == pytest.approx(places)
-    assert figure.axes[3].texts[0].get_text() == "paper: no stable direction"
-
-
-@pytest.mark.slow
-def test_without_data_the_caption_says_so(result) -> None:
-    note = f"Recorded θ0 on plywood, abs, delrin and pu: {NO_DATA}."
-    assert caption(result).endswith(note)
-    assert draw(result).texts == []
 
 
 def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:

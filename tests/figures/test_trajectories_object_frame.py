@@ -46,27 +46,6 @@ def test_on_table_i_a_run_stays_in_one_direction_as_the_caption_says(result) -> 
     assert "with Table I a run stays in one direction" in FIGURE.caption(result)
 
 
-def test_a_darker_shade_is_a_larger_turn_in_a_grey_print_too(result) -> None:
-    figure = draw(result)
-    shades, turns = [], []
-    for axes, paths in zip(figure.axes, result.surfaces, strict=False):
-        (lines,) = axes.collections
-        assert len(lines.get_segments()) == DRAWN
-        shades += (lines.get_colors()[:, :3] @ (0.299, 0.587, 0.114)).tolist()
-        turns += paths.turn.tolist()
-    assert len(shades) == 4 * DRAWN
-    lightness = np.array(shades)[np.argsort(turns)]
-    assert np.all(np.diff(lightness) <= 1e-9)
-    assert lightness[0] - lightness[-1] > 0.5
-
-
-def test_every_path_lies_within_its_panel(result) -> None:
-    for axes, paths in zip(draw(result).axes, result.surfaces, strict=False):
-        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-        x, y = 1000.0 * np.moveaxis(paths.object_frame, -1, 0)
-        assert left < x.min() and x.max() < right and bottom < y.min() and y.max() < top
-
-
 @pytest.mark.slow
 def test_without_data_the_caption_and_the_panels_say_so(result) -> None:
     assert f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}." in FIGURE.caption(result)

@@ -31,17 +31,6 @@ def test_the_law_with_its_scatter_is_nearer_than_alone(result) -> None:
         assert found.total_variation < found.law_alone_total_variation, panel.surface
 
 
-def test_the_caption_tells_the_range_of_turns_and_whether_chance_explains_the_distance(result) -> None:
-    told = caption(result)
-    for panel in result.panels:
-        low, high = np.degrees(np.quantile(panel.law.value, [0.025, 0.975]))
-        chance = "within" if panel.histogram.total_variation <= panel.histogram.chance_total_variation else "beyond"
-        words = f"simulated on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°"
-        assert words in told
-        assert f"{panel.histogram.total_variation:.2f} off in total variation, {chance} the" in told
-    assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")
-
-
 def test_simulated_turns_are_named_so_and_axes_have_units(result) -> None:
     figure = draw(result)
     assert labels(figure) == [("turn of the push, Δθ (°)", "pushes")] * 4

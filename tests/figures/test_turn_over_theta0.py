@@ -53,16 +53,6 @@ def test_the_caption_tells_the_error_of_each_law_beside_the_papers(result) -> No
     assert told.count("paper, recorded") == 4
 
 
-def test_without_recorded_pushes_it_says_so_and_shows_the_simulated(result) -> None:
-    note = f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}."
-    assert caption(result).endswith(note)
-    figure = draw(result)
-    assert figure.texts == []
-    for axes in figure.axes:
-        words = [text.get_text() for text in axes.get_legend().get_texts()]
-        assert "simulated" in words and "measured" not in words
-
-
 @pytest.mark.slow
 def test_every_axis_has_a_label_with_its_unit_and_no_words_overlap(result, recorded) -> None:
     for found in (result, recorded):
