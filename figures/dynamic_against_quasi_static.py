@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
@@ -65,7 +64,20 @@ def draw(study: InertiaStudy) -> Figure:
         figure.subplots_adjust(left=0.07, right=0.985, bottom=0.18, top=0.83)
         draw_turn_differences(turns, study.material, study.isotropic)
         draw_place_differences(places, study.material, study.isotropic)
-        _draw_fall(fall, study)
+        speeds = 1e3 * study.speeds
+        looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
+        for values, (name, colour, marker, face) in zip(np.degrees(study.differences), looks, strict=True):
+            fall.plot(speeds, values, marker=marker, color=colour, markerfacecolor=face, label=name, zorder=3)
+        guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
+        fall.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
+        fall.set(
+            xscale="log", yscale="log", xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)"
+        )
+        fall.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
+        fall.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        fall.xaxis.set_minor_formatter(NullFormatter())
+        fall.set_title("Its fall with the speed", pad=22.0)
+        legend_above(fall)
         foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
         figure.text(0.07, 0.02, foot, fontsize=8, color=QUIET)
     return figure
@@ -96,21 +108,6 @@ def _at_most(comparison: DynamicsComparison) -> str:
     )
     place = 1e3 * largest(comparison.difference("push_displacement"))
     return f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle and {place:.2f} mm"
-
-
-def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
-    speeds = 1e3 * study.speeds
-    looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
-    for values, (name, colour, marker, face) in zip(np.degrees(study.differences), looks, strict=True):
-        axes.plot(speeds, values, marker=marker, color=colour, markerfacecolor=face, label=name, zorder=3)
-    guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
-    axes.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
-    axes.set(xscale="log", yscale="log", xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
-    axes.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
-    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title("Its fall with the speed", pad=22.0)
-    legend_above(axes)
 
 
 FIGURE = PaperFigure(compute, draw, caption)

@@ -64,18 +64,15 @@ def shortest_arc(theta: Array, share: float) -> float:
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialTurns, ...]:
     """Simulate pushes on each material, look for recorded ones, and fit the law of Δθ to both."""
-    return tuple(
-        _material(measured_run(measured, surface), sampled_run(material, sampling))
-        for surface, material in STANDS_FOR.items()
-    )
-
-
-def _material(found: MeasuredRun | None, run: SampledRun) -> MaterialTurns:
-    simulated = fitted_laws(run.pushes).dtheta
-    law = simulated if found is None else fitted_laws(found.pushes).dtheta
-    shown = run.states[:: max(len(run.states) - 1, 1)]
-    curves = np.array([state.push_motion(CIRCLE)[:, 0] for state in shown])
-    return MaterialTurns(run, found, law, simulated, curves)
+    panels = []
+    for surface, material in STANDS_FOR.items():
+        found, run = measured_run(measured, surface), sampled_run(material, sampling)
+        simulated = fitted_laws(run.pushes).dtheta
+        law = simulated if found is None else fitted_laws(found.pushes).dtheta
+        shown = run.states[:: max(len(run.states) - 1, 1)]
+        curves = np.array([state.push_motion(CIRCLE)[:, 0] for state in shown])
+        panels.append(MaterialTurns(run, found, law, simulated, curves))
+    return tuple(panels)
 
 
 def draw(result: tuple[MaterialTurns, ...]) -> Figure:

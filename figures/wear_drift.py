@@ -139,7 +139,14 @@ def draw(result: WearDrift) -> Figure:
             seen = figure.add_subplot(grid[0, 1], sharey=computed)
             seen.set_title("Measured: turn of a cycle, fitted", pad=22)
             _draw_turns(seen, result.measured_turns, _MEASURED_LOOKS)
-        _draw_least(least, result)
+        least.axhline(0.0, color=QUIET, linewidth=0.9)
+        least.plot(result.cycles, np.degrees(result.least), color=PREDICTED, linewidth=1.8, label="computed")
+        if result.measured_least is not None:
+            look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
+            least.plot(result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look)
+        least.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
+        least.set_title("The bottleneck opens", pad=22)
+        legend_above(least)
         _draw_pace(pace, result)
     return figure
 
@@ -150,17 +157,6 @@ def _draw_turns(axes: Axes, turns: tuple[Array, ...], looks: tuple[tuple[str, st
         axes.plot(np.degrees(_GRID), np.degrees(turn), dashes, color=color, linewidth=1.8, label=f"cycle {age}")
     degree_axis(axes, "θ0 (°)")
     axes.set_ylabel("turn of a cycle (°)")
-    legend_above(axes)
-
-
-def _draw_least(axes: Axes, result: WearDrift) -> None:
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    axes.plot(result.cycles, np.degrees(result.least), color=PREDICTED, linewidth=1.8, label="computed")
-    if result.measured_least is not None:
-        look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
-        axes.plot(result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look)
-    axes.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
-    axes.set_title("The bottleneck opens", pad=22)
     legend_above(axes)
 
 

@@ -61,7 +61,13 @@ class SweepPlan:
         object.__setattr__(self, "settings", {key: checked_value(key, value) for key, value in self.settings.items()})
         object.__setattr__(self, "materials", self._loaded_materials())
         object.__setattr__(self, "footprint_files", self._read_footprints())
-        self._check_settings()
+        # Settings with which no loop can be made: not by themselves, nor at the first or the last point.
+        material = next(iter(self.materials.values()))
+        points = [self.point(number) for number in (0, len(self) - 1)]
+        tried = [(material, self.settings), *((point.material, point.settings) for point in points)]
+        faults = [fault for fault in (_fault(*one) for one in tried) if fault is not None]
+        if len(faults) == len(tried):
+            raise faults[0]
 
     @classmethod
     def grid(
@@ -140,15 +146,6 @@ class SweepPlan:
         names = {str(self.settings.get(FOOTPRINT_KEY, "")), *_listed_words(self.points, FOOTPRINT_KEY)}
         files = (Path(name) for name in sorted(names) if name)
         return {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
-
-    def _check_settings(self) -> None:
-        """Refuse settings with which no loop can be made: not by themselves, nor at the first or the last point."""
-        material = next(iter(self.materials.values()))
-        points = [self.point(number) for number in (0, len(self) - 1)]
-        tried = [(material, self.settings), *((point.material, point.settings) for point in points)]
-        faults = [fault for fault in (_fault(*one) for one in tried) if fault is not None]
-        if len(faults) == len(tried):
-            raise faults[0]
 
     def _digest(self, material: str, settings: Mapping[str, object]) -> str:
         numbers = self.numbers

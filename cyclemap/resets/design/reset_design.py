@@ -175,11 +175,7 @@ def design_reset(
 
 
 def _pool(
-    loop: CollectionLoop,
-    demands: ResetDemands,
-    about: MaterialRange,
-    sigma: float,
-    report: Callable[[float], None],
+    loop: CollectionLoop, demands: ResetDemands, about: MaterialRange, sigma: float, report: Callable[[float], None]
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
     parts = [make(loop, about, sigma, demands.within) for make in (random_legs, gripper_turned)]
