@@ -280,9 +280,9 @@ def caption(result: StaircaseBottleneck) -> str:
     (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
     return (
         f"{told} The measured plywood staircase has such a bottleneck at {math.degrees(found.passage.theta):.0f}°: "
-        f"its fitted map predicts steps of {mean:.0f} ± {spread:.0f} cycles. The {found.lengths.size} measured ones that were "
-        f"seen whole lasted {found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than noise "
-        f"makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
+        f"its fitted map predicts steps of {mean:.0f} ± {spread:.0f} cycles. The {found.lengths.size} measured ones "
+        f"that were seen whole lasted {found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more "
+        f"than noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
         f"{halves[1].mean():.0f}.{climbs}"
     )
 

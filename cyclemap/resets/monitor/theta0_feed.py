@@ -245,13 +245,17 @@ class PushFolderFeed:
         theta: list[float] = []
         for file in fresh:
             try:
-                found = _first_orientation(file)
-            except DataFileError:
-                if finished or self._stale(file):
+                record = read_push_file(file)
+            except (DataFileError, OSError) as error:
+                if not finished and not self._stale(file):
+                    break
+                if isinstance(error, DataFileError):
                     raise
-                break
+                said = error.strerror or error
+                raise DataFileError(f"{file}: cannot be read ({said}); restore it or remove it") from error
             self._taken.add(file)
-            theta += found
+            # A friction scan has none.
+            theta += [float(record.start[2])] if isinstance(record, PushRecord) else []
         return tuple(theta)
 
     def _fresh_files(self, finished: bool) -> list[Path]:
@@ -271,15 +275,6 @@ class PushFolderFeed:
         now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
         self._doubtful = now
         return now == before
-
-
-def _first_orientation(file: Path) -> list[float]:
-    """The first θ0 of a push, rad; nothing from a friction scan."""
-    try:
-        record = read_push_file(file)
-    except OSError as error:
-        raise DataFileError(f"{file}: cannot be read ({error.strerror or error}); restore it or remove it") from error
-    return [float(record.start[2])] if isinstance(record, PushRecord) else []
 
 
 def _place_in_series(file: Path) -> tuple[float, str]:

@@ -193,18 +193,13 @@ def _way_points(read: _Commented, row: CsvRow, legs: int) -> Points:
             raise read.table.error(row.line, f"{x} is given, but the way-point before it is blank")
         found.append((read.number(row, x, MILLIMETRES), read.number(row, y, MILLIMETRES)))
         told.append((math.radians(read.table.number(row, direction)), read.table.number(row, length)))
-    _check_legs(read, row, tuple(found), told)
+    runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
+    for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
+        dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
+        if math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing)) > _AGREE_MM:
+            words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
+            raise read.table.error(row.line, words)
     return tuple(found)
-
-
-def _check_legs(read: _Commented, row: CsvRow, points: Points, told: list[tuple[float, float]]) -> None:
-    runs = pairwise((*points, (0.0, 0.0)))
-    for leg, (((x, y), (onward_x, onward_y)), (direction, length)) in enumerate(zip(runs, told, strict=True), 1):
-        dx, dy = 1e3 * (onward_x - x), 1e3 * (onward_y - y)
-        if math.hypot(dx - length * math.cos(direction), dy - length * math.sin(direction)) > _AGREE_MM:
-            raise read.table.error(
-                row.line, f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
-            )
 
 
 @dataclass(frozen=True)
@@ -231,18 +226,18 @@ def _read_commented(path: str | Path) -> _Commented:
     if lines.pop():
         raise DataFileError(f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file anew")
     comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
-    rows = [_row(Path(path), n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    rows = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line[0] == "#":
+            continue
+        try:
+            (fields,) = csv.reader([line], strict=True)
+        except csv.Error as error:
+            raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
+        rows.append(CsvRow(number, tuple(field.strip() for field in fields)))
     if len(rows) < 2:
         raise DataFileError(f"{path}: a schedule has a header and at least one row; the file is empty or cut off")
     table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
     check_shape(table)
     named = (comment.partition(":") for comment in comments)
     return _Commented(table, {name.strip(): fact.strip() for name, colon, fact in named if colon})
-
-
-def _row(path: Path, number: int, line: str) -> CsvRow:
-    try:
-        (fields,) = csv.reader([line], strict=True)
-    except csv.Error as error:
-        raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
-    return CsvRow(number, tuple(field.strip() for field in fields))
