@@ -92,7 +92,7 @@ def test_recorded_pushes_take_the_place_of_simulated_ones(module, tmp_path_facto
     ):
         told, figure = module.FIGURE.caption(result), module.FIGURE.draw(result)
         words = words_of(figure).replace("\n", " ")
-        assert f"Recorded pushes on {absent} and pu: {NO_DATA}." in told
+        assert f"Recorded pushes on {absent}: {NO_DATA}." in told
         assert words.count(", simulated") == simulated and words.count("plywood, recorded") == 4 - simulated
         assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (simulated == 3)
         assert_drawn(figure, 5)
