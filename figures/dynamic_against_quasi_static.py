@@ -50,10 +50,12 @@ def compute(
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
     theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
-    differences = [[_difference(each, speed, some) for speed in speeds] for each in (loop, twin)]
-    return InertiaStudy(
-        compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), np.array(differences)
-    )
+    sharp = {"regularisation": _REGULARISATION, "tolerance": _TOLERANCE}
+    differences = np.empty((2, len(speeds)))
+    for row, each in zip(differences, (loop, twin), strict=True):
+        slower = (DynamicLoop(each.loop, speed, _STIFFNESS, **sharp) for speed in speeds)
+        row[:] = [largest(compare_dynamics(one, some).difference("theta_next")) for one in slower]
+    return InertiaStudy(compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences)
 
 
 def draw(study: InertiaStudy) -> Figure:
@@ -95,11 +97,6 @@ def caption(study: InertiaStudy) -> str:
         f"to the power {first:.2f} on plywood and {second:.2f} on isotropic friction: inertia enters as the speed "
         f"squared. At {slowest} mm/s {left:.3f}° are left."
     )
-
-
-def _difference(loop: DynamicLoop, speed: float, theta: Array) -> float:
-    sharp = DynamicLoop(loop.loop, speed, _STIFFNESS, regularisation=_REGULARISATION, tolerance=_TOLERANCE)
-    return largest(compare_dynamics(sharp, theta).difference("theta_next"))
 
 
 def _at_most(comparison: DynamicsComparison) -> str:

@@ -101,6 +101,11 @@ def _draw_material(axes: Axes, one: MaterialTurns) -> None:
 def caption(result: tuple[MaterialTurns, ...]) -> str:
     """What is drawn, and how far each law and each range of directions goes."""
     count = result[0].run.pushes.count
+    recorded = [
+        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within {np.degrees(one.law.law.rmse):.2f}° RMS)"
+        for one in result
+        if one.measured is not None and one.law.law is not None
+    ]
     told = [
         f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a material with the law "
         "fitted to them. In each push friction is off by a random offset, as much as makes the next θ0 scatter by "
@@ -109,7 +114,7 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
         *[_sentence(one) for one in result],
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up to "
         f"{listed(f'{np.degrees(one.worst_miss):.1f}° on {one.run.surface}' for one in result)}.",
-        _recorded(result),
+        f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
         not_found("pushes", [one.run.surface for one in result if one.measured is None]),
     ]
     return " ".join(filter(None, told))
@@ -124,16 +129,6 @@ def _sentence(one: MaterialTurns) -> str:
         f"(paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 % of these start on an arc of "
         f"{np.degrees(one.arc):.0f}°."
     )
-
-
-def _recorded(result: tuple[MaterialTurns, ...]) -> str:
-    there = [one for one in result if one.measured is not None and one.law.law is not None]
-    told = [
-        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within {np.degrees(one.law.law.rmse):.2f}° RMS)"
-        for one in there
-        if one.measured is not None and one.law.law is not None
-    ]
-    return f"Recorded pushes are drawn, and their law, on {listed(told)}." if told else ""
 
 
 FIGURE = PaperFigure(compute, draw, caption)

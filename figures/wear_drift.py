@@ -14,7 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
-from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views.sentences import LONGEST_STAY
 from cyclemap.views.style import (
     MEASURED,
@@ -94,7 +94,12 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
     assert wear is not None
     drifting = drifting_map(loop, int(wear.cycles) + 1)
     ages = np.linspace(0.0, wear.cycles, points)
-    mean_turn = np.array([_mean_turn(drifting.at(float(age))) for age in ages])
+    # Under noise on the frozen surface; the trapezoidal rule is exact for waves.
+    means = []
+    for frozen in map(drifting.at, ages.tolist()):
+        density = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA)).density(_EVEN)
+        means.append(float(np.mean(density * frozen.turn(_EVEN))) * 2 * np.pi)
+    mean_turn = np.array(means)
     cycles = np.linspace(0.0, wear.cycles, 41)
     turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
     error = drifting.max_error
@@ -118,12 +123,6 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     apart = np.minimum(np.abs(around[after] - _GRID), np.abs(_GRID - around[after - 1]))
     turn = fitted.fitted.map_at(float(age)).turn(_GRID)
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
-
-
-def _mean_turn(frozen: CircleMap) -> float:
-    """The mean turn (rad) of a cycle on the frozen surface under noise; the trapezoidal rule is exact for waves."""
-    operator = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA))
-    return float(np.mean(operator.density(_EVEN) * frozen.turn(_EVEN))) * 2 * np.pi
 
 
 def draw(result: WearDrift) -> Figure:
