@@ -248,39 +248,27 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     at = sweep.places() if sweep.axes else (np.arange(len(sweep)),)
     variables: dict[str, Any] = {}
     for one in sweep.quantities:
-        if one.listed:
-            variables.update(_listed_variables(sweep, one, dimensions, shape, at))
-        else:
+        attributes = {"units": one.written_unit, "long_name": one.meaning}
+        if not one.listed:
             values = np.full(shape, np.nan)
             values[at] = one.written_array(sweep.columns[one.name])
-            variables[one.written_name] = (dimensions, values, _attributes(one))
+            variables[one.written_name] = (dimensions, values, attributes)
+            continue
+        lists = sweep.lists[one.name]
+        padded, count = np.full((*shape, _longest(sweep, one)), np.nan), np.zeros(shape, dtype=np.int64)
+        rows = np.full((len(lists), padded.shape[-1]), np.nan)
+        for row, found in zip(rows, lists, strict=True):
+            row[: found.size] = found
+        padded[at], count[at] = one.written_array(rows), [found.size for found in lists]
+        about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
+        variables[one.written_name] = ((*dimensions, one.many), padded, attributes)
+        variables[f"{one.many}_count"] = (dimensions, count, about)
     refusal = np.full(shape, "", dtype=object)
     refusal[at] = np.array(sweep.refusals, dtype=object)
     variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})
     return xarray.Dataset(
         variables, _coordinates(sweep), {"title": "sweep", "plan": json.dumps(sweep.description["plan"])}
     )
-
-
-def _listed_variables(
-    sweep: Sweep, one: Quantity, dimensions: tuple[str, ...], shape: tuple[int, ...], at: tuple[Any, ...]
-) -> dict[str, Any]:
-    lists = sweep.lists[one.name]
-    padded, count = np.full((*shape, _longest(sweep, one)), np.nan), np.zeros(shape, dtype=np.int64)
-    sizes = np.array([values.size for values in lists], dtype=np.int64)
-    rows = np.full((len(lists), padded.shape[-1]), np.nan)
-    for row, values in zip(rows, lists, strict=True):
-        row[: values.size] = values
-    padded[at], count[at] = one.written_array(rows), sizes
-    about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
-    return {
-        one.written_name: ((*dimensions, one.many), padded, _attributes(one)),
-        f"{one.many}_count": (dimensions, count, about),
-    }
-
-
-def _attributes(quantity: Quantity) -> dict[str, str]:
-    return {"units": quantity.written_unit, "long_name": quantity.meaning}
 
 
 def _coordinates(sweep: Sweep) -> dict[str, Any]:
