@@ -37,11 +37,7 @@ BUILDING = ROOT / "building"
 OLDEST = (3, 11)
 MEND = "its words are above: mend that and run again"
 
-CHECKS = (
-    ["ruff", "format", "--check", "."],
-    ["ruff", "check", "."],
-    ["mypy"],
-)
+CHECKS = (["ruff", "format", "--check", "."], ["ruff", "check", "."], ["mypy"])
 
 
 class InstallError(Exception):

@@ -93,8 +93,7 @@ def build(place: Path = ENGINE) -> None:
             _compile(command or ZIG, ENGINE / "engine.c", library, (folder, ENGINE), version)
         except Refused as error:
             raise BuildError(
-                f"{shlex.join(command or ZIG)}: {error}",
-                "Mend that, or name another C compiler in CC.",
+                f"{shlex.join(command or ZIG)}: {error}", "Mend that, or name another C compiler in CC."
             ) from error
         _place(library, target)
 

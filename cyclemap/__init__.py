@@ -15,31 +15,9 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap import collection, evidence, maps, mechanics, resets, sweeps, views
-    from cyclemap.collection import (
-        CollectionLoop,
-        Cycle,
-        Portrait,
-        fingerprint,
-        portrait,
-        predict,
-        run_cycles,
-    )
-    from cyclemap.errors import (
-        ConvergenceError,
-        CycleMapError,
-        DataFileError,
-        InvalidInput,
-        UnsupportedContact,
-    )
-    from cyclemap.evidence import (
-        PushTable,
-        compare,
-        fit_map,
-        identify,
-        load_pushes,
-        replay_pushes,
-        simulate_collection,
-    )
+    from cyclemap.collection import CollectionLoop, Cycle, Portrait, fingerprint, portrait, predict, run_cycles
+    from cyclemap.errors import ConvergenceError, CycleMapError, DataFileError, InvalidInput, UnsupportedContact
+    from cyclemap.evidence import PushTable, compare, fit_map, identify, load_pushes, replay_pushes, simulate_collection
     from cyclemap.maps import (
         CircleMap,
         DriftingMap,
@@ -85,16 +63,8 @@ if TYPE_CHECKING:
         load_material,
         material_names,
     )
-    from cyclemap.resets import (
-        BiasMonitor,
-        design_reset,
-        read_protocol,
-        write_protocol,
-    )
-    from cyclemap.sweeps import (
-        SweepPlan,
-        run_sweep,
-    )
+    from cyclemap.resets import BiasMonitor, design_reset, read_protocol, write_protocol
+    from cyclemap.sweeps import SweepPlan, run_sweep
 else:
     import_on_first_use(__name__)
 

@@ -45,21 +45,24 @@ class Unit:
 
     def read(self, number: object) -> float:
         """Return a number of this unit in SI units; InvalidInput for what is not a finite number."""
+        if isinstance(number, bool) or not isinstance(number, (int, float, Decimal)):
+            raise InvalidInput(f"must be a number, not {number!r}")
+        decimal = Decimal(repr(number)) if isinstance(number, float) else Decimal(number)
+        if not decimal.is_finite():
+            raise InvalidInput(f"must be a finite number, not {number}")
         try:
-            found = self._read(_checked_decimal(number))
+            # Noughts at the end say nothing, and a file leaves them out.
+            given = decimal.normalize(_CONTEXT)
+            if self.name == "degrees" and len(given.as_tuple().digits) <= _SHORT:
+                # The same as a setting of the command line gives.
+                found = math.radians(float(given))
+            else:
+                found = float(_CONTEXT.multiply(given, self.in_si))
         except DecimalException as error:
             raise InvalidInput("is too large or too small to be read") from error
         if not math.isfinite(found):
             raise InvalidInput(f"must be a finite number, not {number}")
         return found
-
-    def _read(self, number: Decimal) -> float:
-        # Noughts at the end say nothing, and a file leaves them out.
-        given = number.normalize(_CONTEXT)
-        if self.name == "degrees" and len(given.as_tuple().digits) <= _SHORT:
-            # The same as a setting of the command line gives.
-            return math.radians(float(given))
-        return float(_CONTEXT.multiply(given, self.in_si))
 
     def written(self, value: float) -> Decimal:
         """Return the shortest decimal, of those tried, that `read` gives back as `value`."""
@@ -77,16 +80,6 @@ class Unit:
 MILLIMETRES = Unit("mm", Decimal("0.001"))
 DEGREES = Unit("degrees", _CONTEXT.divide(_PI, Decimal(180)))
 NUMBER = Unit("its own unit", Decimal(1))
-
-
-def _checked_decimal(number: object) -> Decimal:
-    """Return an int, float or Decimal as a Decimal; InvalidInput for anything else, and what is not finite."""
-    if isinstance(number, bool) or not isinstance(number, (int, float, Decimal)):
-        raise InvalidInput(f"must be a number, not {number!r}")
-    found = Decimal(repr(number)) if isinstance(number, float) else Decimal(number)
-    if not found.is_finite():
-        raise InvalidInput(f"must be a finite number, not {number}")
-    return found
 
 
 def decimal_text(number: Decimal) -> str:

@@ -36,7 +36,12 @@ def draw(experiment: BatchExperiment) -> Figure:
             draw_robot_frame(panels[0, column], run, f"{name}, robot's frame")
             draw_object_frame(panels[1, column], run, f"{name}, object's frame")
         for row in panels:
-            _share_window(row)
+            limits = np.array([(*axes.dataLim.min, *axes.dataLim.max) for axes in row])
+            low, high = limits[:, :2].min(axis=0), limits[:, 2:].max(axis=0)
+            middle, half = (low + high) / 2.0, 0.56 * float((high - low).max())
+            for axes in row:
+                axes.set_aspect("equal", adjustable="box")
+                axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
     return figure
 
 
@@ -48,16 +53,6 @@ def caption(experiment: BatchExperiment) -> str:
         f"(right; {method_line(experiment)}); thick: the last push of each batch. {experiment_headline(experiment)} "
         f"{spread_sentence(experiment)} {isotropic_sentence(experiment)}"
     )
-
-
-def _share_window(row: np.ndarray) -> None:
-    """Give the panels of a row one window, so that their paths compare by eye."""
-    limits = np.array([(*axes.dataLim.min, *axes.dataLim.max) for axes in row])
-    low, high = limits[:, :2].min(axis=0), limits[:, 2:].max(axis=0)
-    middle, half = (low + high) / 2.0, 0.56 * float((high - low).max())
-    for axes in row:
-        axes.set_aspect("equal", adjustable="box")
-        axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
 
 
 FIGURE = PaperFigure(compute, draw, caption)

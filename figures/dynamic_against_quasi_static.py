@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
@@ -51,10 +50,12 @@ def compute(
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
     theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
-    differences = [[_difference(each, speed, some) for speed in speeds] for each in (loop, twin)]
-    return InertiaStudy(
-        compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), np.array(differences)
-    )
+    sharp = {"regularisation": _REGULARISATION, "tolerance": _TOLERANCE}
+    differences = np.empty((2, len(speeds)))
+    for row, each in zip(differences, (loop, twin), strict=True):
+        slower = (DynamicLoop(each.loop, speed, _STIFFNESS, **sharp) for speed in speeds)
+        row[:] = [largest(compare_dynamics(one, some).difference("theta_next")) for one in slower]
+    return InertiaStudy(compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences)
 
 
 def draw(study: InertiaStudy) -> Figure:
@@ -65,7 +66,20 @@ def draw(study: InertiaStudy) -> Figure:
         figure.subplots_adjust(left=0.07, right=0.985, bottom=0.18, top=0.83)
         draw_turn_differences(turns, study.material, study.isotropic)
         draw_place_differences(places, study.material, study.isotropic)
-        _draw_fall(fall, study)
+        speeds = 1e3 * study.speeds
+        looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
+        for values, (name, colour, marker, face) in zip(np.degrees(study.differences), looks, strict=True):
+            fall.plot(speeds, values, marker=marker, color=colour, markerfacecolor=face, label=name, zorder=3)
+        guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
+        fall.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
+        fall.set(
+            xscale="log", yscale="log", xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)"
+        )
+        fall.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
+        fall.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        fall.xaxis.set_minor_formatter(NullFormatter())
+        fall.set_title("Its fall with the speed", pad=22.0)
+        legend_above(fall)
         foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
         figure.text(0.07, 0.02, foot, fontsize=8, color=QUIET)
     return figure
@@ -85,32 +99,12 @@ def caption(study: InertiaStudy) -> str:
     )
 
 
-def _difference(loop: DynamicLoop, speed: float, theta: Array) -> float:
-    sharp = DynamicLoop(loop.loop, speed, _STIFFNESS, regularisation=_REGULARISATION, tolerance=_TOLERANCE)
-    return largest(compare_dynamics(sharp, theta).difference("theta_next"))
-
-
 def _at_most(comparison: DynamicsComparison) -> str:
     push, drag, cycle = (
         math.degrees(largest(comparison.difference(name))) for name in ("push_turn", "drag_turn", "theta_next")
     )
     place = 1e3 * largest(comparison.difference("push_displacement"))
     return f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle and {place:.2f} mm"
-
-
-def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
-    speeds = 1e3 * study.speeds
-    looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
-    for values, (name, colour, marker, face) in zip(np.degrees(study.differences), looks, strict=True):
-        axes.plot(speeds, values, marker=marker, color=colour, markerfacecolor=face, label=name, zorder=3)
-    guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
-    axes.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
-    axes.set(xscale="log", yscale="log", xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
-    axes.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
-    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title("Its fall with the speed", pad=22.0)
-    legend_above(axes)
 
 
 FIGURE = PaperFigure(compute, draw, caption)

@@ -149,33 +149,30 @@ def draw(result: FingerprintAgainstFull) -> Figure:
         turn = figure.add_subplot(grid[0])
         draw_prediction(turn, result.prediction, result.checked.map)
         turn.set_title("Plywood")
-        _draw_edge(figure.add_subplot(grid[1]), result)
+        axes = figure.add_subplot(grid[1])
+        surface, response = result.prediction.anisotropy, result.prediction.fingerprint.cycle
+        rays = np.radians(np.linspace(0.0, 90.0, 361))
+        edge = lock_in_boundary(response, surface.offset_direction, surface.ellipse_direction, rays)
+        axes.plot(*edge.T, color=PREDICTED, linewidth=2.2, label="first order")
+        axes.plot(
+            *result.full_edge.T,
+            "s",
+            color=MEASURED,
+            markeredgecolor=MEASURED_EDGE,
+            markersize=6.0,
+            label="full map",
+            clip_on=False,
+            zorder=5,
+        )
+        axes.plot(surface.offset, surface.ellipticity, "*", color=INK, markersize=10.0, zorder=5)
+        name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood", fontsize=8.0)
+        axes.set(xlim=(0.0, 0.16), ylim=(0.0, 0.12), xlabel="offset (1)", ylabel="ellipticity (1)")
+        name_tag(axes, 0.023, 0.012, "drifts")
+        name_tag(axes, 0.125, 0.09, "locks")
+        axes.set_title("Edge of lock-in")
+        legend_above(axes)
         _draw_errors(figure.add_subplot(grid[2]), result)
     return figure
-
-
-def _draw_edge(axes: Axes, result: FingerprintAgainstFull) -> None:
-    surface, response = result.prediction.anisotropy, result.prediction.fingerprint.cycle
-    rays = np.radians(np.linspace(0.0, 90.0, 361))
-    edge = lock_in_boundary(response, surface.offset_direction, surface.ellipse_direction, rays)
-    axes.plot(*edge.T, color=PREDICTED, linewidth=2.2, label="first order")
-    axes.plot(
-        *result.full_edge.T,
-        "s",
-        color=MEASURED,
-        markeredgecolor=MEASURED_EDGE,
-        markersize=6.0,
-        label="full map",
-        clip_on=False,
-        zorder=5,
-    )
-    axes.plot(surface.offset, surface.ellipticity, "*", color=INK, markersize=10.0, zorder=5)
-    name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood", fontsize=8.0)
-    axes.set(xlim=(0.0, 0.16), ylim=(0.0, 0.12), xlabel="offset (1)", ylabel="ellipticity (1)")
-    name_tag(axes, 0.023, 0.012, "drifts")
-    name_tag(axes, 0.125, 0.09, "locks")
-    axes.set_title("Edge of lock-in")
-    legend_above(axes)
 
 
 def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:

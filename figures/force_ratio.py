@@ -107,7 +107,22 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
         both = min(forces.samples, forces.sticking)
         if both > (best[0] if best else 0):
             best = both, path, record, forces
-    return None if best is None else _samples(*best[1:], len(records), unreadable)
+    if best is None:
+        return None
+    _, path, record, forces = best
+    samples, facts = contact_samples(record, _outline(path)), _facts(path)
+    kept = samples.touching & np.isfinite(samples.slip)
+    slip = np.abs(samples.slip[kept])
+    # The rod's way at the times of the wrenches that both other clocks cover.
+    tip, time = record.tip_pose, record.ft_wrench[:, 0]
+    clocks = record.object_pose[:, 0], tip[:, 0]
+    time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
+    travel = np.interp(time, tip[:, 0], travelled)[kept]
+    ratio = samples.tangential[kept] / samples.pressing[kept]
+    name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
+    motion = slip > SLIDING, slip < STICKING
+    return RecordedRatio(name, read_only(travel), read_only(ratio), *motion, forces, len(records), unreadable)
 
 
 def _facts(path: Path) -> PushFacts:
@@ -120,31 +135,6 @@ def _outline(path: Path) -> Array:
     return Slider.mit(str(_facts(path).object)).outline_points(360)
 
 
-def _samples(path: Path, record: PushRecord, forces: SlidingForces, files: int, unreadable: int) -> RecordedRatio:
-    samples, facts = contact_samples(record, _outline(path)), _facts(path)
-    kept = samples.touching & np.isfinite(samples.slip)
-    slip = np.abs(samples.slip[kept])
-    return RecordedRatio(
-        f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s",
-        read_only(_travel(record)[kept]),
-        read_only(samples.tangential[kept] / samples.pressing[kept]),
-        slip > SLIDING,
-        slip < STICKING,
-        forces,
-        files,
-        unreadable,
-    )
-
-
-def _travel(record: PushRecord) -> Array:
-    """The rod's way (m) at the times of the wrenches that both other clocks cover."""
-    tip, time = record.tip_pose, record.ft_wrench[:, 0]
-    clocks = record.object_pose[:, 0], tip[:, 0]
-    time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
-    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
-    return np.asarray(np.interp(time, tip[:, 0], travelled))
-
-
 def draw(result: ForceRatio) -> Figure:
     """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on one scale."""
     shown = [np.abs(result.predicted.ratio)] + ([np.abs(result.recorded.ratio)] if result.recorded else [])
@@ -154,22 +144,19 @@ def draw(result: ForceRatio) -> Figure:
         figure = new_figure(5.5 * count, 4.3)
         grid = GridSpec(1, count, figure, left=0.15 / count, right=0.985, bottom=0.13, top=0.85, wspace=0.17)
         left, *right = (figure.add_subplot(grid[number]) for number in range(count))
-        _draw_predicted(left, result.predicted)
+        predicted = result.predicted
+        _bounds(left, predicted.friction)
+        travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
+        left.plot(travel, predicted.ratio, color=PREDICTED, linewidth=1.2, label="sliding", zorder=5)
+        left.plot(travel, sticking, color=PREDICTED, linewidth=3.0, label="sticking", zorder=5)
+        left.set_title("Predicted, plywood")
+        left.legend(loc="lower center", ncols=3)
         if result.recorded is not None:
             _draw_recorded(right[0], result.recorded)
         for axes in (left, *right):
             axes.set(ylim=(-half, half), xlabel="travel of the rod (mm)")
         left.set_ylabel("tangential / normal force (1)")
     return figure
-
-
-def _draw_predicted(axes: Axes, predicted: PredictedRatio) -> None:
-    _bounds(axes, predicted.friction)
-    travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
-    axes.plot(travel, predicted.ratio, color=PREDICTED, linewidth=1.2, label="sliding", zorder=5)
-    axes.plot(travel, sticking, color=PREDICTED, linewidth=3.0, label="sticking", zorder=5)
-    axes.set_title("Predicted, plywood")
-    axes.legend(loc="lower center", ncols=3)
 
 
 def _bounds(axes: Axes, friction: float) -> None:

@@ -66,10 +66,11 @@ class LimitEllipseAndPatch:
 def compute(measured: MeasuredFolder, surface: str = "plywood") -> LimitEllipseAndPatch:
     """Read and fit the friction scans of rect1 on `surface` where there are any, and run one push on the 8 x 8 grid."""
     loop = CollectionLoop.mit("plywood")
-    scans = measured_scans(measured, surface, loop.model.weight)
-    return LimitEllipseAndPatch(
-        SKETCHED, SLIDING, loop.material.friction, scans, None if scans is None else _fitted(scans), patch_forces(loop)
-    )
+    scans, fitted = measured_scans(measured, surface, loop.model.weight), None
+    if scans is not None:
+        columns = {name: getattr(scans, name) for name in SCAN_FIELDS}
+        fitted = friction_ellipse_from_scans(columns, scans.weight).friction()
+    return LimitEllipseAndPatch(SKETCHED, SLIDING, loop.material.friction, scans, fitted, patch_forces(loop))
 
 
 def measured_scans(measured: MeasuredFolder, surface: str, weight: float) -> ScanForces | None:
@@ -85,11 +86,6 @@ def measured_scans(measured: MeasuredFolder, surface: str, weight: float) -> Sca
     found = [ScanForces(direction, along, across, weight) for direction, along, across in columns]
     count = sum(len(part.direction) for part in found)
     return ScanForces.joined(found) if count >= _FEWEST_SCANS else None
-
-
-def _fitted(scans: ScanForces) -> EllipseFriction:
-    columns = {name: getattr(scans, name) for name in SCAN_FIELDS}
-    return friction_ellipse_from_scans(columns, scans.weight).friction()
 
 
 def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
@@ -166,16 +162,13 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
     contact = MM * patch.contact
     arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 6, mutation_scale=18.0)
-    _name_forces(axes, patch, contact - whole * patch.rod[:2])
-    axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
-    axes.set_title("Patch of 8 x 8 points")
-
-
-def _name_forces(axes: Axes, patch: PatchForces, tail: Array) -> None:
+    tail = contact - whole * patch.rod[:2]
     force, torque = float(np.hypot(*patch.wrench[:2])), 1e3 * patch.wrench[2]
     words = f"friction on the object: {force:.2f} N\nand {torque:.1f} N mm about its centre"
     axes.text(2.0, tail[1] + 8.0, words, color=FORCE, fontsize=8, va="top")
     axes.text(tail[0] - 3.0, tail[1] - 2.0, "rod", color=INK, ha="right", va="top")
+    axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
+    axes.set_title("Patch of 8 x 8 points")
 
 
 def _traction_axes(axes: Axes, half: float, title: str, middle: Array) -> None:
@@ -192,10 +185,20 @@ def _turned(vector: Array, angle: float) -> Array:
 def caption(result: LimitEllipseAndPatch) -> str:
     """What the law says, how far scans and their fit lie from Table I, and what the patch adds up to."""
     patch, lean = result.patch, math.degrees(lean_of(result.sketched, result.sliding))
+    law, fitted = result.table, result.fitted
+    surface = f"{NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
+    if result.scans is not None and fitted is not None:
+        apart = float(np.hypot(*(limit_curve(fitted) - limit_curve(law)).T).max())
+        surface = (
+            f"Dots: {len(result.scans.direction)} friction scans; dashed: the ellipse fitted to them, axes "
+            f"{fitted.mu_a:.4f} and {fitted.mu_b:.4f}, at most {apart:.4f} from Table I."
+        )
     return (
         "Left: the traction of a sliding point is the point of its limit ellipse where the outward normal is the "
         f"direction of sliding (maximum dissipation); here the two differ by {lean:.0f}°. Axes differ more, and the "
-        f"offset is larger, than on plywood, to be seen. Middle: {_told_surface(result)} Right: the forces of the "
+        "offset is larger, than on plywood, to be seen. Middle: the limit ellipse of plywood in Table I, axes "
+        f"{law.mu_a:g} and {law.mu_b:g}, its centre {math.hypot(law.m0, law.n0):.3f} off zero, beside the isotropic "
+        f"circle of the same area. {surface} Right: the forces of the "
         "ground on the 8 x 8 "
         f"points after {100 * SHARE:.0f} % of the push from θ0 = 0 on plywood (Table I), and their resultant: "
         f"{np.hypot(*patch.wrench[:2]):.2f} N and {1e3 * patch.wrench[2]:.1f} N mm about the centre, which balance the "
@@ -208,22 +211,6 @@ def lean_of(law: EllipseFriction, angle: float) -> float:
     """Return the angle (rad, positive) between the sliding velocity in direction `angle` and its traction."""
     traction = law.traction(np.array([math.cos(angle), math.sin(angle)]))
     return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, 2.0 * math.pi))
-
-
-def _told_surface(result: LimitEllipseAndPatch) -> str:
-    law = result.table
-    told = (
-        f"the limit ellipse of plywood in Table I, axes {law.mu_a:g} and {law.mu_b:g}, its centre "
-        f"{math.hypot(law.m0, law.n0):.3f} off zero, beside the isotropic circle of the same area."
-    )
-    if result.scans is None or result.fitted is None:
-        return f"{told} {NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
-    fitted = result.fitted
-    apart = float(np.hypot(*(limit_curve(fitted) - limit_curve(law)).T).max())
-    return (
-        f"{told} Dots: {len(result.scans.direction)} friction scans; dashed: the ellipse fitted to them, axes "
-        f"{fitted.mu_a:.4f} and {fitted.mu_b:.4f}, at most {apart:.4f} from Table I."
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,23 +244,17 @@ def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
     at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
     pose = course.pose[at]
     slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])
-    twist = np.array([*_turned_back(slope[:2], pose[2]), slope[2]])
+    twist = np.array([*_turned(slope[:2], -pose[2]), slope[2]])
     points, weights = footprint.quadrature
     velocity = twist[:2] + twist[2] * np.stack([-points[:, 1], points[:, 0]], axis=-1)
     friction, load = loop.material.friction, gridded.model.weight
     force = -load * weights[:, None] * friction.traction(velocity, pose[2])
     wrench = np.array([*force.sum(axis=0), _torque(points, force).sum()])
-    contact = _turned_back(course.contact_point[at] - pose[:2], pose[2])
-    push = _turned_back(course.contact_force[at], pose[2])
+    contact = _turned(course.contact_point[at] - pose[:2], -pose[2])
+    push = _turned(course.contact_force[at], -pose[2])
     rod = np.array([*push, float(_torque(contact, push))])
     outline = loop.slider.outline.points(4)
     return PatchForces(float(pose[2]), footprint, twist, velocity, force, wrench, rod, contact, outline)
-
-
-def _turned_back(vector: Array, angle: float) -> Array:
-    """A vector of the world in the object's frame at `angle` (rad)."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * vector[0] + s * vector[1], -s * vector[0] + c * vector[1]])
 
 
 def _torque(lever: Array, force: Array) -> Array:

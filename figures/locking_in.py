@@ -118,7 +118,11 @@ def compute(
     circle_map = loop.circle_map(tolerance=1e-4)
     rest, edge = (next(orbit for orbit in fixed_points(circle_map) if orbit.stable == kind) for kind in (True, False))
     stable = float(rest.points[0])
-    run = _run(loop, start, stable, locked)
+    run = [loop.cycle(start)]
+    while abs(math.remainder(run[-1].theta - stable, 2 * math.pi)) > locked:
+        if len(run) > MOST_CYCLES:
+            raise ConvergenceError(f"{MOST_CYCLES} cycles from {math.degrees(start):.4g} deg do not lock in")
+        run.append(loop.cycle(run[-1].theta_next))
     theta = np.array([run[0].theta, *(cycle.theta_next for cycle in run)])
     stable = stable + 2 * np.pi * round((theta[-1] - stable) / (2 * np.pi))
     unstable = float(edge.points[0]) + 2 * np.pi * math.floor((theta[0] - float(edge.points[0])) / (2 * np.pi))
@@ -128,16 +132,6 @@ def compute(
         theta, stable, unstable, rest.multiplier, np.stack([reach, circle_map(reach)], axis=1), tuple(moments),
         loop.pusher.radius,
     )  # fmt: skip
-
-
-def _run(loop: CollectionLoop, start: float, stable: float, locked: float) -> list[Cycle]:
-    """The cycles until one ends locked in, and one more."""
-    run = [loop.cycle(start)]
-    while abs(math.remainder(run[-1].theta - stable, 2 * math.pi)) > locked:
-        if len(run) > MOST_CYCLES:
-            raise ConvergenceError(f"{MOST_CYCLES} cycles from {math.degrees(start):.4g} deg do not lock in")
-        run.append(loop.cycle(run[-1].theta_next))
-    return run
 
 
 def _moments(
@@ -206,8 +200,26 @@ class _Stage:
             left=0.015, right=0.985, bottom=0.125, top=0.915, wspace=0.27, hspace=0.5,
         )  # fmt: skip
         self._table(self.figure.add_subplot(grid[:, 0]))
-        self._cobweb(self.figure.add_subplot(grid[0, 1]))
-        self._staircase(self.figure.add_subplot(grid[1, 1]))
+        axes = self.figure.add_subplot(grid[0, 1])
+        curve = np.degrees(self.result.curve)
+        axes.plot(curve[:, 0], curve[:, 0], color=QUIET, linewidth=0.9)
+        axes.plot(curve[:, 0], curve[:, 1], color=PREDICTED, linewidth=1.8)
+        (self.stairs,) = axes.plot([], [], color=MEASURED_EDGE, linewidth=0.9)
+        for place, face in ((self.result.stable, PREDICTED), (self.result.unstable, "white")):
+            at = math.degrees(place)
+            axes.plot(at, at, "o", markerfacecolor=face, markeredgecolor=PREDICTED, markersize=5, zorder=5)
+        axes.set(xlim=curve[[0, -1], 0], ylim=curve[[0, -1], 0], xlabel="θ0 (°)", ylabel="next θ0 (°)")
+        for axis in (axes.xaxis, axes.yaxis):
+            _on_the_circle(axis)
+        axes.set_title("The cycle map", fontsize=9)
+        axes = self.figure.add_subplot(grid[1, 1])
+        axes.axhline(math.degrees(self.result.stable), color=PREDICTED, linewidth=1.2, linestyle="--")
+        look = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.5, "markersize": 3.5}
+        (self.dots,) = axes.plot([], [], "o", **look)  # type: ignore[arg-type]
+        theta = np.degrees(self.result.theta)
+        span = (theta.min() - 12.0, theta.max() + 15.0)
+        axes.set(xlim=(-1, self.result.cycles + 1), ylim=span, xlabel="cycle", ylabel="θ0 (°)")
+        _on_the_circle(axes.yaxis)
 
     def _table(self, axes: Axes) -> None:
         """The table from above; the world's origin is where the ring is set down."""
@@ -230,28 +242,6 @@ class _Stage:
         axes.plot([bar[0], bar[0] + 50.0], [bar[1]] * 2, color=INK, linewidth=2.0)
         axes.text(bar[0] + 25.0, bar[1] + 4.0, "50 mm", ha="center", fontsize=7.5)
         self.told = axes.set_title("", fontsize=10)
-
-    def _cobweb(self, axes: Axes) -> None:
-        curve = np.degrees(self.result.curve)
-        axes.plot(curve[:, 0], curve[:, 0], color=QUIET, linewidth=0.9)
-        axes.plot(curve[:, 0], curve[:, 1], color=PREDICTED, linewidth=1.8)
-        (self.stairs,) = axes.plot([], [], color=MEASURED_EDGE, linewidth=0.9)
-        for place, face in ((self.result.stable, PREDICTED), (self.result.unstable, "white")):
-            at = math.degrees(place)
-            axes.plot(at, at, "o", markerfacecolor=face, markeredgecolor=PREDICTED, markersize=5, zorder=5)
-        axes.set(xlim=curve[[0, -1], 0], ylim=curve[[0, -1], 0], xlabel="θ0 (°)", ylabel="next θ0 (°)")
-        for axis in (axes.xaxis, axes.yaxis):
-            _on_the_circle(axis)
-        axes.set_title("The cycle map", fontsize=9)
-
-    def _staircase(self, axes: Axes) -> None:
-        axes.axhline(math.degrees(self.result.stable), color=PREDICTED, linewidth=1.2, linestyle="--")
-        look = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.5, "markersize": 3.5}
-        (self.dots,) = axes.plot([], [], "o", **look)  # type: ignore[arg-type]
-        theta = np.degrees(self.result.theta)
-        span = (theta.min() - 12.0, theta.max() + 15.0)
-        axes.set(xlim=(-1, self.result.cycles + 1), ylim=span, xlabel="cycle", ylabel="θ0 (°)")
-        _on_the_circle(axes.yaxis)
 
     def show(self, moment: Moment) -> None:
         """Move everything to where it is at this moment."""
@@ -286,7 +276,14 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
     shapes = {frame.pixels.shape for frame in given}
     if len(shapes) > 1:
         raise InvalidInput(f"frames have sizes {sorted(shapes)}: give frames of one size")
-    pictures = _with_one_palette([frame.pixels for frame in given])
+    pixels = [frame.pixels for frame in given]
+    sample = np.concatenate(pixels[:: max(1, len(pixels) // _SAMPLED)])
+    palette = Image.fromarray(sample).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    colours = np.array(palette.getpalette(), dtype=float).reshape(-1, 3)
+    # The commonest colours are means of a few; what is all but white must stay white.
+    colours[np.abs(colours - 255.0).sum(axis=1) < _ALL_BUT_WHITE] = 255.0
+    palette.putpalette(colours.astype(np.uint8).ravel().tolist())
+    pictures = [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in pixels]
     buffer = BytesIO()
     pictures[0].save(
         buffer,
@@ -307,17 +304,6 @@ def figure_pixels(figure: Figure, dpi: float) -> NDArray[np.uint8]:
     canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
-
-
-def _with_one_palette(pixels: list[NDArray[np.uint8]]) -> list[Image.Image]:
-    """The frames in the colours that are commonest in a sample of them."""
-    sample = np.concatenate(pixels[:: max(1, len(pixels) // _SAMPLED)])
-    palette = Image.fromarray(sample).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
-    colours = np.array(palette.getpalette(), dtype=float).reshape(-1, 3)
-    # The commonest colours are means of a few; what is all but white must stay white.
-    colours[np.abs(colours - 255.0).sum(axis=1) < _ALL_BUT_WHITE] = 255.0
-    palette.putpalette(colours.astype(np.uint8).ravel().tolist())
-    return [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in pixels]
 
 
 ANIMATION = PaperAnimation(compute, frames, caption)

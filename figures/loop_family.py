@@ -190,7 +190,11 @@ def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
     derivatives differences of them. Raises ConvergenceError where 12 steps do not reach 1e-9 rad.
     """
     for _ in range(_STEPS):
-        residual, jacobian = _fold_equations(loop_at, theta, radius)
+        turn, slope, by_radius = _tangent(loop_at(radius), theta)
+        ahead, behind = (_tangent(loop_at(radius), theta + side * _ANGLE_STEP)[1] for side in (1, -1))
+        out, back = (_tangent(loop_at(radius + side * _LENGTH_STEP), theta)[1] for side in (1, -1))
+        bend, twist = (ahead - behind) / (2.0 * _ANGLE_STEP), (out - back) / (2.0 * _LENGTH_STEP)
+        residual, jacobian = np.array([turn, slope - 1.0]), np.array([[slope - 1.0, by_radius], [bend, twist]])
         if np.abs(residual).max() <= _FOLDED:
             return RingFold(theta, radius, float(jacobian[0, 1]), 0.5 * float(jacobian[1, 0]))
         step = np.linalg.solve(jacobian, -residual)
@@ -201,15 +205,6 @@ def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
         f"no saddle-node found near {math.degrees(theta):.4g} deg and {1000 * radius:.4g} mm: "
         f"residual {np.abs(residual).max():.2g} rad; start nearer"
     )
-
-
-def _fold_equations(loop_at: LoopAt, theta: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """(f - θ, f' - 1) and its derivatives by (θ, radius)."""
-    turn, slope, by_radius = _tangent(loop_at(radius), theta)
-    ahead, behind = (_tangent(loop_at(radius), theta + side * _ANGLE_STEP)[1] for side in (1, -1))
-    out, back = (_tangent(loop_at(radius + side * _LENGTH_STEP), theta)[1] for side in (1, -1))
-    bend, twist = (ahead - behind) / (2.0 * _ANGLE_STEP), (out - back) / (2.0 * _LENGTH_STEP)
-    return np.array([turn, slope - 1.0]), np.array([[slope - 1.0, by_radius], [bend, twist]])
 
 
 def _tangent(loop: CollectionLoop, theta: float) -> tuple[float, float, float]:

@@ -103,18 +103,13 @@ def compute(
     inner, outer = (_boundary(loop, family, side, scales) for side in (1, -1))
     places = ((0.010, 1.0), (0.020, 0.7), (0.030, 1.2))
     error = max(float(family.error_at(_THETA[::36], *place).max()) for place in places)
-    mit, stable = ring_radius(loop), _stable_points(family, radius, scale)
-    locks_from = _touch(family, 1, mit)
-    return PhaseDiagram(plane, stable, inner, outer, first_order(loop, fingerprints), error, mit, locks_from)
-
-
-def _stable_points(family: LoopFamily, radius: Array, scale: Array) -> NDArray[np.int64]:
-    """How often the turn falls through zero at each radius (rows) and scale (columns)."""
-    counts = []
+    # How often the turn falls through zero at each radius and scale.
+    stable = []
     for r in radius:
         turn = family.turn(_THETA, np.full((scale.size, 1), r), scale[:, np.newaxis])
-        counts.append(np.sum((turn > 0.0) & (np.roll(turn, -1, axis=1) <= 0.0), axis=1))
-    return np.array(counts)
+        stable.append(np.sum((turn > 0.0) & (np.roll(turn, -1, axis=1) <= 0.0), axis=1))
+    first, mit = first_order(loop, fingerprints), ring_radius(loop)
+    return PhaseDiagram(plane, np.array(stable), inner, outer, first, error, mit, _touch(family, 1, mit))
 
 
 def _margin(family: LoopFamily, side: int, radius: float, scale: float) -> float:
@@ -168,7 +163,19 @@ def draw(result: PhaseDiagram) -> Figure:
             1, 2, figure, width_ratios=(1.75, 1.0), left=0.07, right=0.985, bottom=0.125, top=0.86, wspace=0.22
         )
         _draw_plane(figure.add_subplot(grid[0]), result)
-        _draw_rows(figure.add_subplot(grid[1]), result)
+        axes = figure.add_subplot(grid[1])
+        plane = result.plane
+        looks = ((QUIET, ":"), (PREDICTED, "-."), (PREDICTED, "-"), (INK, "--"))
+        axes.axhline(0.0, color=QUIET, linewidth=0.8)
+        for scale, (color, dashes) in zip(ROWS, looks, strict=True):
+            column = int(np.argmin(np.abs(plane.second_values - scale)))
+            label = "isotropic" if scale == 0.0 else f"× {plane.second_values[column]:.2g}"
+            turn = 360 * plane.value[:, column]
+            axes.plot(MM * plane.first_values, turn, dashes, color=color, linewidth=1.7, label=label)
+        axes.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
+        axes.set_xlim(MM * RADII[0], MM * RADII[1])
+        axes.set_title("Along rows", pad=24)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0)
     return figure
 
 
@@ -200,23 +207,18 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     axes.set(xlabel="distance of the ring from the centre (mm)", ylabel="anisotropy over that of Table I (1)")
     axes.set_xlim(MM * RADII[0], MM * RADII[1])
     axes.set_ylim(*SCALES)
-    _draw_object(axes, result.mit)
-    axes.set_title("Mean turn of a cycle", pad=24)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
-
-
-def _draw_object(axes: Axes, radius: float) -> None:
-    """In a corner of the tongue, the object to scale with MIT's ring and the line on which it is moved."""
     outline = MM * CollectionLoop.mit("plywood").slider.outline.points(4)
     inset = axes.inset_axes((0.72, 0.62, 0.27, 0.36))
     inset.add_patch(Polygon(outline, facecolor="#f4f4f4", edgecolor=QUIET))
     way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
     inset.plot(*np.outer([MM * RADII[0], MM * RADII[1]], way).T, color=PREDICTED, linewidth=1.0)
     inset.plot(0.0, 0.0, "+", color=INK, markersize=6)
-    inset.plot(*(MM * radius * way), "*", markerfacecolor=UNSTABLE, markeredgecolor=INK, markersize=9)
+    inset.plot(*(MM * result.mit * way), "*", markerfacecolor=UNSTABLE, markeredgecolor=INK, markersize=9)
     inset.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
     inset.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
     inset.axis("off")
+    axes.set_title("Mean turn of a cycle", pad=24)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
 
 
 def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
@@ -233,28 +235,16 @@ def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
     axes.plot(*outer.T, "o-", **look)
 
 
-def _draw_rows(axes: Axes, result: PhaseDiagram) -> None:
-    plane = result.plane
-    looks = ((QUIET, ":"), (PREDICTED, "-."), (PREDICTED, "-"), (INK, "--"))
-    axes.axhline(0.0, color=QUIET, linewidth=0.8)
-    for scale, (color, dashes) in zip(ROWS, looks, strict=True):
-        column = int(np.argmin(np.abs(plane.second_values - scale)))
-        label = "isotropic" if scale == 0.0 else f"× {plane.second_values[column]:.2g}"
-        turn = 360 * plane.value[:, column]
-        axes.plot(MM * plane.first_values, turn, dashes, color=color, linewidth=1.7, label=label)
-    axes.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
-    axes.set_xlim(MM * RADII[0], MM * RADII[1])
-    axes.set_title("Along rows", pad=24)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0)
-
-
 def caption(result: PhaseDiagram) -> str:
     """What is seen, with its numbers."""
     plane, first = result.plane, result.first
     locked = plane.period == 1
     one = bool(np.all(result.stable[locked] == 1))
     at_mit = float(np.interp(result.mit, first.radius, first.scale))
-    other = int(np.sum(plane.period > 1))
+    count = int(np.sum(plane.period > 1))
+    others = f"At {count} places of the grid the robot locks into a longer period."
+    if not count:
+        others = f"No other locking was found on the grid, to {TOLERANCE:g} turns a cycle."
     return (
         f"Plywood's anisotropy (offset and ellipticity of Table I, times 0 to {SCALES[1]:g}) against the distance of "
         f"the ring from the centre. In the tongue the robot locks{' into one stable direction' if one else ''}, "
@@ -262,14 +252,8 @@ def caption(result: PhaseDiagram) -> str:
         f"{MM * first.neutral:.1f} mm, where isotropic friction turns the object by nothing in a cycle; its edges are "
         f"saddle-nodes, solved with the mechanics itself. The MIT ring at {MM * result.mit:.0f} mm locks from "
         f"{result.mit_scale:.2f} times Table I on; to first order in the anisotropy (dashes) from {at_mit:.2f} times. "
-        f"{_other(other)} The interpolated maps miss cycles that were run by at most {math.degrees(result.error):.1g}°."
+        f"{others} The interpolated maps miss cycles that were run by at most {math.degrees(result.error):.1g}°."
     )
-
-
-def _other(count: int) -> str:
-    if count == 0:
-        return f"No other locking was found on the grid, to {TOLERANCE:g} turns a cycle."
-    return f"At {count} places of the grid the robot locks into a longer period."
 
 
 FIGURE = PaperFigure(compute, draw, caption)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
@@ -21,9 +20,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.evidence.pushes.mit_names import push_facts
-from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.evidence.recorded_push import MIT_TARGET
-from cyclemap.evidence.tables.push_sets import PushSet
 from cyclemap.maps import DriftingMap, sample_staircase
 
 from .measured_folder import MeasuredFolder
@@ -98,7 +95,10 @@ def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> P
     """
     loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
     start = (*published_statistics(surface).directions, 0.0)[0]
-    run = sample_staircase(_map_of_the_run(loop, cycles), NOISE, cycles, start, seed=1)
+    stages = np.linspace(0.0, 1.0, _WEAR_STAGES + 1) if loop.material.wear else np.zeros(1)
+    states = [(cycles * share, worn_loop(loop, share * _worn_cycles(loop))) for share in stages]
+    drifting = DriftingMap.between([(cycle, state.circle_map(MAP_TOLERANCE)) for cycle, state in states])
+    run = sample_staircase(drifting, NOISE, cycles, start, seed=1)
     chosen = _evenly(cycles, drawn)
     poses = _simulated(loop, run.theta[chosen], _worn_cycles(loop) * chosen / cycles)
     return _paths(surface, loop.material.name, SIMULATED, poses, run.theta[:-1])
@@ -126,9 +126,21 @@ def recorded_paths(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -
     run = measured_run(measured, surface)
     if run is None:
         return None
-    files = [path for path in push_file_names(run.pushes.source) if _is_one_of(path, run.pushes)]
+    # A folder may hold others than the set, too: their names say other things than all of its pushes share.
+    shared = run.pushes.facts.items()
+    named = [(path, push_facts(path)) for path in push_file_names(run.pushes.source)]
+    files = [path for path, facts in named if all(getattr(facts, name) == value for name, value in shared)]
     records, _ = readable_pushes(files[number] for number in _evenly(len(files), drawn).tolist())
-    poses = np.array([_recorded_poses(record) for _, record in records])
+    courses = []
+    for _, record in records:
+        # At equal times.
+        clock = record.object_pose[:, 0]
+        times, columns = (
+            np.linspace(clock[0], clock[-1], STATIONS),
+            (*record.object_pose[:, 1:3].T, record.object_angle),
+        )
+        courses.append(np.stack([np.interp(times, clock, one) for one in columns], axis=-1))
+    poses = np.array(courses)
     poses[..., :2] -= MIT_TARGET
     return _paths(surface, "", RECORDED, poses, run.pushes.theta)
 
@@ -143,28 +155,18 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     (1, 3)
     """
     later = np.triu(apart, 1)
-    crossed = [int(np.sum(_crosses(paths[i], paths[row]))) for i, row in enumerate(later)]
-    return sum(crossed), int(np.sum(later))
-
-
-def _crosses(path: Array, others: Array) -> NDArray[np.bool_]:
-    """Whether a polyline (m, 2) crosses each of others (k, m, 2)."""
-    a, b = path[:-1, None], path[1:, None]
-    c, d = others[:, None, :-1], others[:, None, 1:]
-    found = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
-    return np.asarray(np.any(found, axis=(1, 2)), dtype=bool)
+    crossed = 0
+    for path, row in zip(paths, later, strict=True):
+        a, b = path[:-1, None], path[1:, None]
+        c, d = paths[row][:, None, :-1], paths[row][:, None, 1:]
+        found = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
+        crossed += int(np.sum(np.any(found, axis=(1, 2))))
+    return crossed, int(np.sum(later))
 
 
 def _side(a: Array, b: Array, point: Array) -> Array:
     """Twice the area of the triangles a, b, point: positive where the point lies left of the way from a to b."""
     return np.asarray((b - a)[..., 0] * (point - a)[..., 1] - (b - a)[..., 1] * (point - a)[..., 0], dtype=np.float64)
-
-
-def _map_of_the_run(loop: CollectionLoop, cycles: int) -> DriftingMap:
-    stages = np.linspace(0.0, 1.0, _WEAR_STAGES + 1) if loop.material.wear else np.zeros(1)
-    return DriftingMap.between(
-        [(cycles * share, worn_loop(loop, share * _worn_cycles(loop)).circle_map(MAP_TOLERANCE)) for share in stages]
-    )
 
 
 def _worn_cycles(loop: CollectionLoop) -> float:
@@ -177,29 +179,16 @@ def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
 
 
 def _simulated(loop: CollectionLoop, theta: Array, cycle: Array) -> Array:
-    """Poses (k, m, 3) of the pushes from orientations (k,) at cycles (k,) of the wear."""
-    pairs = zip(theta.tolist(), cycle.tolist(), strict=True)
-    return np.array([_push_path(worn_loop(loop, now), start) for start, now in pairs])
+    """Poses (k, m, 3) of the pushes from orientations (k,) at cycles (k,) of the wear.
 
-
-def _push_path(loop: CollectionLoop, theta: float) -> Array:
-    """Poses (m, 3) of the object at equal distances of the rod's stroke; it rests where the rod has left it."""
-    course = loop.model.push(loop.start_pose(theta), loop.push, loop.push.distance / (STATIONS - 1)).trajectory
-    travel = np.linspace(0.0, loop.push.distance, STATIONS)
-    return np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1)
-
-
-def _is_one_of(path: Path, pushes: PushSet) -> bool:
-    """Whether a file's name says what all pushes of the set share: a folder may hold others too."""
-    facts = push_facts(path)
-    return all(getattr(facts, name) == value for name, value in pushes.facts.items())
-
-
-def _recorded_poses(record: PushRecord) -> Array:
-    """Poses (m, 3) of the object of a recorded push at equal times."""
-    clock = record.object_pose[:, 0]
-    columns = (*record.object_pose[:, 1:3].T, record.object_angle)
-    return np.stack([np.interp(np.linspace(clock[0], clock[-1], STATIONS), clock, one) for one in columns], axis=-1)
+    At equal distances of the rod's stroke; the object rests where the rod has left it.
+    """
+    travel, found = np.linspace(0.0, loop.push.distance, STATIONS), []
+    for start, now in zip(theta.tolist(), cycle.tolist(), strict=True):
+        worn = worn_loop(loop, now)
+        course = worn.model.push(worn.start_pose(start), worn.push, worn.push.distance / (STATIONS - 1)).trajectory
+        found.append(np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1))
+    return np.array(found)
 
 
 def _paths(surface: str, material: str, origin: str, poses: Array, orientations: Array) -> PushedPaths:

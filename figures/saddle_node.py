@@ -19,11 +19,12 @@ from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
 from .catalogue import PaperFigure
-from .loop_family import LoopFamily, RingFold, loop_family, ring_fold, with_ring_at
+from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0
 RADII = (0.008, 0.0155)
+_FOLD = "saddle-node"
 SHOWN = (0.013, 0.0085)
 NEAREST, FARTHEST = 1e-5, 1.7e-3
 _GRID = np.linspace(0.0, 2 * np.pi, 361)
@@ -56,12 +57,12 @@ class SaddleNode:
 
     def directions(self, radius: float) -> tuple[float, float]:
         """Return the stable and the unstable direction (rad) at a radius (m) that has both."""
-        return self._direction(radius, True), self._direction(radius, False)
-
-    def _direction(self, radius: float, stable: bool) -> float:
-        chosen = self.branch.stable == stable
-        order = np.argsort(self.branch.parameter[chosen])
-        return float(np.interp(radius, self.branch.parameter[chosen][order], self.branch.points[chosen, 0][order]))
+        found = []
+        for chosen in (self.branch.stable, ~self.branch.stable):
+            order = np.argsort(self.branch.parameter[chosen])
+            places = self.branch.parameter[chosen][order], self.branch.points[chosen, 0][order]
+            found.append(float(np.interp(radius, *places)))
+        return found[0], found[1]
 
 
 def compute(
@@ -79,7 +80,9 @@ def compute(
     loop = CollectionLoop.mit(material="plywood")
     loop_at = partial(with_ring_at, loop)
     family = loop_family(partial(with_ring_at, replace(loop, accuracy=_ACCURACY)), (RADII,), (nodes,), angles)
-    branch = _pair(family)
+    folding = (one for one in orbit_branches(family, RADII, resolution=6) if [s.kind for s in one.special] == [_FOLD])
+    if (branch := next(folding, None)) is None:
+        raise ConvergenceError("no pair of fixed points meets between these radii: take a wider range of radii")
     fold = ring_fold(loop_at, branch.special[0].theta, float(branch.special[0].parameter))
     distances = np.geomspace(NEAREST, FARTHEST, count)
     # The interpolated pair meets a hair beside the exact fold: distances are taken from there.
@@ -91,14 +94,6 @@ def compute(
     places = np.linspace(0, branch.parameter.size - 1, 7).astype(int)
     error = max(float(family.error_at(branch.points[i], float(branch.parameter[i])).max()) for i in places)
     return SaddleNode(branch, fold, error, distances, 1.0 / turns.value, np.array(runs).reshape(-1, 2), graphs)
-
-
-def _pair(family: LoopFamily) -> OrbitBranch:
-    """The branch that folds."""
-    for branch in orbit_branches(family, RADII, resolution=6):
-        if len(branch.special) == 1 and branch.special[0].kind == "saddle-node":
-            return branch
-    raise ConvergenceError("no pair of fixed points meets between these radii: take a wider range of radii")
 
 
 def _counted(loop: CollectionLoop, slow: float) -> float:
@@ -121,8 +116,30 @@ def draw(result: SaddleNode) -> Figure:
         )
         upper = grid[0].subgridspec(2, 2, width_ratios=(1.35, 1.0), hspace=0.62, wspace=0.24)
         _draw_pair(figure.add_subplot(upper[:, 0]), result)
-        _draw_multiplier(figure.add_subplot(upper[0, 1]), result)
-        _draw_passage(figure.add_subplot(upper[1, 1]), result)
+        axes = figure.add_subplot(upper[0, 1])
+        branch = result.branch
+        for _, chosen, look in _sides(branch):
+            axes.plot(MM * branch.parameter[chosen], branch.multiplier[chosen], **look)
+        axes.axhline(1.0, color=QUIET, linewidth=0.8)
+        _mark(axes, result.fold, 1.0)
+        axes.set(xlabel="distance of the ring (mm)", ylabel="multiplier f'(θ0) (1)")
+        axes.set_xlim(MM * RADII[0], MM * RADII[1])
+        axes.set_title("Multipliers meet at 1")
+        axes = figure.add_subplot(upper[1, 1])
+        beyond = MM * result.distances
+        axes.loglog(beyond, result.cycles_a_turn, "o-", color=PREDICTED, markersize=3.5, label="cycles a turn")
+        axes.loglog(beyond, result.passage, "--", color=INK, linewidth=1.2, label="bottleneck, π/√(εa)")
+        if result.counted.size:
+            look = {"markerfacecolor": MEASURED, "markeredgecolor": INK, "markersize": 7, "zorder": 5}
+            axes.plot(MM * result.counted[:, 0], result.counted[:, 1], "D", label="run cycle by cycle", **look)
+        axes.set(xlabel="distance inside the saddle-node (mm)", ylabel="cycles")
+        axes.set_xticks((0.01, 0.03, 0.1, 0.3, 1.0))
+        axes.set_yticks((20, 50, 100, 200))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
+        axes.set_title("What is left: a passage")
+        axes.legend(loc="upper right", borderaxespad=0.1)
         lower = grid[1].subgridspec(1, 3, wspace=0.12)
         first: Axes | None = None
         for place, graph in enumerate(result.graphs):
@@ -164,34 +181,6 @@ def _draw_pair(axes: Axes, result: SaddleNode) -> None:
 def _mark(axes: Axes, fold: RingFold, height: float) -> None:
     look: dict[str, Any] = {"markerfacecolor": UNSTABLE, "markeredgecolor": INK, "markersize": 7, "zorder": 5}
     axes.plot(MM * fold.radius, height, "o", **look)
-
-
-def _draw_multiplier(axes: Axes, result: SaddleNode) -> None:
-    branch = result.branch
-    for _, chosen, look in _sides(branch):
-        axes.plot(MM * branch.parameter[chosen], branch.multiplier[chosen], **look)
-    axes.axhline(1.0, color=QUIET, linewidth=0.8)
-    _mark(axes, result.fold, 1.0)
-    axes.set(xlabel="distance of the ring (mm)", ylabel="multiplier f'(θ0) (1)")
-    axes.set_xlim(MM * RADII[0], MM * RADII[1])
-    axes.set_title("Multipliers meet at 1")
-
-
-def _draw_passage(axes: Axes, result: SaddleNode) -> None:
-    beyond = MM * result.distances
-    axes.loglog(beyond, result.cycles_a_turn, "o-", color=PREDICTED, markersize=3.5, label="cycles a turn")
-    axes.loglog(beyond, result.passage, "--", color=INK, linewidth=1.2, label="bottleneck, π/√(εa)")
-    if result.counted.size:
-        look: dict[str, Any] = {"markerfacecolor": MEASURED, "markeredgecolor": INK, "markersize": 7, "zorder": 5}
-        axes.plot(MM * result.counted[:, 0], result.counted[:, 1], "D", label="run cycle by cycle", **look)
-    axes.set(xlabel="distance inside the saddle-node (mm)", ylabel="cycles")
-    axes.set_xticks((0.01, 0.03, 0.1, 0.3, 1.0))
-    axes.set_yticks((20, 50, 100, 200))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
-    axes.set_title("What is left: a passage")
-    axes.legend(loc="upper right", borderaxespad=0.1)
 
 
 def _draw_graph(axes: Axes, graph: tuple[float, Array, Array], place: int) -> None:

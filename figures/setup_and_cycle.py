@@ -74,21 +74,10 @@ def _draw_setup(axes: Axes, result: SetupAndCycles) -> None:
     for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
         place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
         _name(axes, (float(place[0]), float(place[1])), f"side {number}", rotation=90.0 if number % 2 else 0.0)
-    _draw_ring(axes, MM * np.array(loop.slider.hitch))
-    _draw_push(axes, result)
-    _dimension(axes, (-45.0, -57.0), (45.0, -57.0), f"{np.ptp(outline[:, 0]):.0f} mm")
-    axes.set(xlim=(-78, 68), ylim=(-118, 78), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
-    axes.set_title("Set-up, to scale")
-
-
-def _draw_ring(axes: Axes, hitch: Array) -> None:
+    hitch = MM * np.array(loop.slider.hitch)
     axes.add_patch(Circle(tuple(hitch), _RING, fill=False, edgecolor=INK, linewidth=1.4))
     axes.plot([0.0, hitch[0]], [0.0, hitch[1]], color=QUIET, linewidth=1.0, linestyle="--")
     _name(axes, (-1.0, 20.0), f"ring, {np.hypot(*hitch):.0f} mm\nfrom centre", ha="left")
-
-
-def _draw_push(axes: Axes, result: SetupAndCycles) -> None:
-    """The rod where it first touches, its way, and how far from the middle of the side it stands."""
     loop, contact = result.loop, MM * result.contact
     radius, length = MM * loop.pusher.radius, MM * loop.push.distance
     rod = np.add(contact, (0.0, radius))
@@ -97,6 +86,9 @@ def _draw_push(axes: Axes, result: SetupAndCycles) -> None:
     _name(axes, (rod[0] - 3.0, -88.0), f"push,\n{length:.0f} mm", ha="right", color=FORCE)
     _name(axes, (rod[0] - 8.0, rod[1] + 2.0), f"rod, radius {radius:.2f} mm", ha="right")
     _dimension(axes, (contact[0], 62.0), (0.0, 62.0), f"{abs(contact[0]):.0f} mm", above=True)
+    _dimension(axes, (-45.0, -57.0), (45.0, -57.0), f"{np.ptp(outline[:, 0]):.0f} mm")
+    axes.set(xlim=(-78, 68), ylim=(-118, 78), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
+    axes.set_title("Set-up, to scale")
 
 
 def _dimension(
@@ -119,13 +111,26 @@ def _name(axes: Axes, place: tuple[float, float], words: str, **look: Any) -> No
 def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
     for number, (cycle, scene) in enumerate(zip(result.cycles, result.scenes, strict=True)):
         colour = _CYCLE_COLOURS[number]
-        _outline(axes, scene.push.before, colour, 1.6)
-        _outline(axes, scene.push.after, colour, 0.7)
+        for outline, width in ((scene.push.before, 1.6), (scene.push.after, 0.7)):
+            axes.add_patch(Polygon(MM * outline, fill=False, edgecolor=colour, linewidth=width))
         _path(axes, scene.push, colour, "-", f"push {_INDEX[number]}")
         _path(axes, scene.drag, colour, (0, (4, 2)), f"drag back {_INDEX[number]}")
-        _start_arrow(axes, result.loop, cycle, scene, number)
+        tip = MM * scene.push.rod[0]
+        way = _push_way(result.loop, cycle)
+        tail = tip - _ARROW * way
+        arrow(axes, tail, tip, FORCE, 2.2, 8)
+        words = f"push {_INDEX[number]}, from\nθ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
+        (x, y), lean = (tail - 4.0 * way).tolist(), "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
+        axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
     axes.plot(0.0, 0.0, "x", color=INK, markersize=8, markeredgewidth=1.8, label="target of the ring", zorder=7)
-    _frame(axes, result)
+    # A square window about all that is drawn, with room for the words behind the arrows.
+    ends = [
+        MM * scene.push.rod[0] - (_ARROW + _WORDS) * _push_way(result.loop, cycle)
+        for cycle, scene in zip(result.cycles, result.scenes, strict=True)
+    ]
+    corners = np.concatenate([*(MM * scene.push.reach for scene in result.scenes), ends])
+    middle, half = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), np.ptp(corners, axis=0).max() / 2 + 12.0
+    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
     axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
     axes.set_title("Path of the centre in cycles k and k+1")
     axes.legend(loc="lower right")
@@ -134,24 +139,9 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
 _INDEX, _RAISED = ("k", "k+1"), ("ᵏ", "ᵏ⁺¹")
 
 
-def _frame(axes: Axes, result: SetupAndCycles) -> None:
-    """A square window about all that is drawn, with room for the words behind the arrows."""
-    words = [
-        MM * scene.push.rod[0] - (_ARROW + _WORDS) * _push_way(result.loop, cycle)
-        for cycle, scene in zip(result.cycles, result.scenes, strict=True)
-    ]
-    corners = np.concatenate([*(MM * scene.push.reach for scene in result.scenes), words])
-    middle, half = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), np.ptp(corners, axis=0).max() / 2 + 12.0
-    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
-
-
 def _push_way(loop: CollectionLoop, cycle: Cycle) -> Array:
     """(2,) unit vector of the push in the world; the touched side's inward normal is -y in the object's frame."""
     return placed(np.array([0.0, 0.0, cycle.theta + loop.push.angle]), np.array([0.0, -1.0]))
-
-
-def _outline(axes: Axes, outline: Array, colour: str, width: float) -> None:
-    axes.add_patch(Polygon(MM * outline, fill=False, edgecolor=colour, linewidth=width))
 
 
 def _path(axes: Axes, stroke: StrokeScene, colour: str, style: Any, label: str) -> None:
@@ -160,17 +150,6 @@ def _path(axes: Axes, stroke: StrokeScene, colour: str, style: Any, label: str) 
     middle = len(path) // 2
     look = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
     axes.annotate("", xy=tuple(path[middle + 1]), xytext=tuple(path[middle - 1]), arrowprops=look, zorder=6)
-
-
-def _start_arrow(axes: Axes, loop: CollectionLoop, cycle: Cycle, scene: CycleScene, number: int) -> None:
-    """An arrow that ends where the rod first touches, along the push, with the orientation beside its tail."""
-    tip = MM * scene.push.rod[0]
-    way = _push_way(loop, cycle)
-    tail = tip - _ARROW * way
-    arrow(axes, tail, tip, FORCE, 2.2, 8)
-    words = f"push {_INDEX[number]}, from\nθ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
-    (x, y), lean = (tail - 4.0 * way).tolist(), "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
-    axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
 
 
 def caption(result: SetupAndCycles) -> str:

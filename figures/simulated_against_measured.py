@@ -118,8 +118,28 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
         figure = new_figure(12.2, 5.0)
         grid = GridSpec(1, 2, figure, left=0.06, right=0.985, bottom=0.11, top=0.8, wspace=0.15)
         push, cycle = (figure.add_subplot(grid[number]) for number in range(2))
-        _draw_push(push, result)
-        _draw_cycle(cycle, result)
+        published = published_statistics(SURFACE)
+        mean, spread = np.degrees([published.mean[0], published.std[0]])
+        push.axhspan(mean - spread, mean + spread, color="#f6e3bd", zorder=0, label="published, mean ± σ")
+        push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
+        if result.recorded is not None:
+            pushes = result.recorded.pushes
+            _dots(push, pushes.theta, pushes.dtheta, "recorded pushes")
+        for simulated, look in zip(result.simulated, _LOOKS, strict=True):
+            _curve(push, simulated.push_at(_CURVE), simulated.name, look)
+        push.set_ylabel("Δθ, turn of the push (°)")
+        push.set_title("Push", pad=34.0)
+        cycle.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
+        if result.cycles:
+            bins, pairs = result.cycles[0].bins, result.cycles[0].pairs
+            _dots(cycle, pairs.theta, pairs.turn, "measured cycles")
+            medians = np.degrees([bins.centre, bins.median])
+            look = {"color": MEASURED_EDGE, "markerfacecolor": "white", "markersize": 4.5, "linestyle": "none"}
+            cycle.plot(*medians, "s", label="their medians in 5°", zorder=6, **look)
+        for simulated, look in zip(result.simulated, _LOOKS, strict=True):
+            _curve(cycle, simulated.cycle_at(_CURVE), simulated.name, look)
+        cycle.set_ylabel("turn of push and drag (°)")
+        cycle.set_title("Whole cycle", pad=34.0)
         for axes in (push, cycle):
             degree_axis(axes, "θ0, orientation before the push (°)")
             legend_above(axes, columns=2)
@@ -133,38 +153,6 @@ _LOOKS: tuple[dict[str, Any], ...] = (
 )
 
 
-def _draw_push(axes: Axes, result: SimulatedAgainstMeasured) -> None:
-    published = published_statistics(SURFACE)
-    mean, spread = np.degrees([published.mean[0], published.std[0]])
-    axes.axhspan(mean - spread, mean + spread, color="#f6e3bd", zorder=0, label="published, mean ± σ")
-    axes.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
-    if result.recorded is not None:
-        pushes = result.recorded.pushes
-        _dots(axes, pushes.theta, pushes.dtheta, "recorded pushes")
-    for simulated, look in zip(result.simulated, _LOOKS, strict=True):
-        _curve(axes, simulated.push_at(_CURVE), simulated.name, look)
-    axes.set_ylabel("Δθ, turn of the push (°)")
-    axes.set_title("Push", pad=34.0)
-
-
-def _draw_cycle(axes: Axes, result: SimulatedAgainstMeasured) -> None:
-    axes.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
-    if result.cycles:
-        bins, pairs = result.cycles[0].bins, result.cycles[0].pairs
-        _dots(axes, pairs.theta, pairs.turn, "measured cycles")
-        look: dict[str, Any] = {
-            "color": MEASURED_EDGE,
-            "markerfacecolor": "white",
-            "markersize": 4.5,
-            "linestyle": "none",
-        }
-        axes.plot(*np.degrees([bins.centre, bins.median]), "s", label="their medians in 5°", zorder=6, **look)
-    for simulated, look in zip(result.simulated, _LOOKS, strict=True):
-        _curve(axes, simulated.cycle_at(_CURVE), simulated.name, look)
-    axes.set_ylabel("turn of push and drag (°)")
-    axes.set_title("Whole cycle", pad=34.0)
-
-
 def _dots(axes: Axes, theta: Array, turn: Array, label: str) -> None:
     x, y = np.degrees(np.mod(theta, 2.0 * np.pi)), np.degrees(turn)
     axes.plot(x, y, ".", color=MEASURED, markersize=2.5, alpha=0.6, label=label, zorder=2)
@@ -176,39 +164,30 @@ def _curve(axes: Axes, turn: Array, label: str, look: dict[str, Any]) -> None:
 
 def caption(result: SimulatedAgainstMeasured) -> str:
     """What is measured here and what is not, and how far the simulations lie from it."""
-    return (
-        "Turns over the orientation before the push, on plywood. Simulated: Table I on the paper's 8 x 8 points, and "
-        "plywood-measured, which was inferred from the measured turns of the cycle, fresh and after 2000 cycles. "
-        f"Left, the push: {_told_push(result)} Right, push and drag together: {_told_cycle(result)}"
-    )
-
-
-def _told_push(result: SimulatedAgainstMeasured) -> str:
     published = published_statistics(SURFACE)
     mean, spread = np.degrees([published.mean[0], published.std[0]])
     where = "at the measured θ0" if result.cycles else "over all θ0"
-    told = []
+    pushes = []
     for number, simulated in enumerate(result.simulated):
         here = np.degrees(result.push_statistics(number))
         off = "" if result.recorded is None else f", {np.degrees(result.recorded_error(number)):.1f}° RMS off"
-        told.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
+        pushes.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
     dots = f"{NO_DATA} of Δθ."
     if result.recorded is not None:
         dots = f"dots, {result.recorded.pushes.count} recorded pushes."
+    cycles = f"{NO_DATA} of θ0 ({THETA0_FILE})."
+    if result.cycles:
+        both = zip(result.simulated, result.cycles, strict=True)
+        errors = [f"{one.name} {np.degrees(cycle.agreement.bin_rms):.1f}°" for one, cycle in both]
+        cycles = (
+            f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive pushes; squares, "
+            f"their medians in 5°. Root mean square of these less the simulated: {', '.join(errors)}."
+        )
     return (
-        f"{dots} The band is the published mean and standard deviation, {mean:.1f}° ± {spread:.1f}° (Table II); "
-        f"simulated {where}: {'; '.join(told)}."
-    )
-
-
-def _told_cycle(result: SimulatedAgainstMeasured) -> str:
-    if not result.cycles:
-        return f"{NO_DATA} of θ0 ({THETA0_FILE})."
-    both = zip(result.simulated, result.cycles, strict=True)
-    errors = [f"{one.name} {np.degrees(cycle.agreement.bin_rms):.1f}°" for one, cycle in both]
-    return (
-        f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive pushes; squares, their "
-        f"medians in 5°. Root mean square of these less the simulated: {', '.join(errors)}."
+        "Turns over the orientation before the push, on plywood. Simulated: Table I on the paper's 8 x 8 points, and "
+        "plywood-measured, which was inferred from the measured turns of the cycle, fresh and after 2000 cycles. "
+        f"Left, the push: {dots} The band is the published mean and standard deviation, {mean:.1f}° ± {spread:.1f}° "
+        f"(Table II); simulated {where}: {'; '.join(pushes)}. Right, push and drag together: {cycles}"
     )
 
 

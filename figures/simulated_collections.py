@@ -246,10 +246,12 @@ def surface_state(loop: CollectionLoop, cycle: float = 0.0, tolerance: float = M
     others = 2 * np.pi * np.mod(_GOLDEN * np.arange(1, _CHECKED + 1), 1.0)
     error = np.max(np.abs(_periodic_spline(theta, motion)(others) - _motion(frozen, others)), axis=0)
     law = frozen.material.friction
-    mean, slopes = math.sqrt(law.mu_a * law.mu_b), _slopes(frozen)
-    return SurfaceState(
-        cycle, cycle_map, read_only(theta), read_only(motion), read_only(error), read_only(slopes), mean
-    )
+    slopes = []
+    for start in (2 * np.pi * np.arange(_SLOPES) / _SLOPES).tolist():
+        found = frozen.sensitivity(start, _OFFSET)
+        slopes.append([[found.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS])
+    mean, pushes = math.sqrt(law.mu_a * law.mu_b), (read_only(theta), read_only(motion), read_only(error))
+    return SurfaceState(cycle, cycle_map, *pushes, read_only(slopes), mean)
 
 
 def _base(theta: ArrayLike) -> Array:
@@ -259,14 +261,6 @@ def _base(theta: ArrayLike) -> Array:
 def _motion(loop: CollectionLoop, theta: Array) -> Array:
     runs = loop.cycles(theta)
     return np.column_stack([runs.push_turn, runs.push_displacement])
-
-
-def _slopes(loop: CollectionLoop) -> Array:
-    rows = []
-    for theta in (2 * np.pi * np.arange(_SLOPES) / _SLOPES).tolist():
-        found = loop.sensitivity(theta, _OFFSET)
-        rows.append([[found.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS])
-    return np.array(rows)
 
 
 def _periodic_spline(theta: Array, values: Array) -> Callable[[Array], Array]:

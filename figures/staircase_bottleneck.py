@@ -269,28 +269,21 @@ def caption(result: StaircaseBottleneck) -> str:
         f"({math.degrees(one.sigma):.1f}°) together {mean:.0f} ± {spread:.0f}, {one.lengths.size} steps sampled from "
         f"them lasted {one.lengths.mean():.0f} on average."
     )
-    return f"{told} {_measured_words(result.measured)}"
-
-
-def _measured_words(found: Bottleneck | None) -> str:
+    found = result.measured
     if found is None:
-        return f"Of the robot's own staircase {NO_DATA}."
+        return f"{told} Of the robot's own staircase {NO_DATA}."
+    climbs = ""
+    if found.run is not None:
+        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (found.run, found.path))
+        climbs = f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the measured path {measured:.1f}."
     (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
     return (
-        f"The measured plywood staircase has such a bottleneck at {math.degrees(found.passage.theta):.0f}°: its fitted "
-        f"map predicts steps of {mean:.0f} ± {spread:.0f} cycles. The {found.lengths.size} measured ones that were "
-        f"seen whole lasted {found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than noise "
-        f"makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
-        f"{halves[1].mean():.0f}.{_run_words(found)}"
+        f"{told} The measured plywood staircase has such a bottleneck at {math.degrees(found.passage.theta):.0f}°: "
+        f"its fitted map predicts steps of {mean:.0f} ± {spread:.0f} cycles. The {found.lengths.size} measured ones "
+        f"that were seen whole lasted {found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more "
+        f"than noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
+        f"{halves[1].mean():.0f}.{climbs}"
     )
-
-
-def _run_words(found: Bottleneck) -> str:
-    if found.run is None:
-        return ""
-    climbed = (found.run[-1] - found.run[0]) / (2 * np.pi)
-    measured = (found.path[-1] - found.path[0]) / (2 * np.pi)
-    return f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the measured path {measured:.1f}."
 
 
 FIGURE = PaperFigure(compute, draw, caption)

@@ -72,21 +72,19 @@ def compute(
     measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS
 ) -> tuple[MaterialStaircase, ...]:
     """Run cycles on each material, ``runs`` times, with its wear, and look for recorded paths."""
-    return tuple(
-        _material(measured, surface, sampled_run(material, sampling), runs) for surface, material in STANDS_FOR.items()
-    )
-
-
-def _material(measured: MeasuredFolder, surface: str, run: SampledRun, runs: int) -> MaterialStaircase:
-    level = float(CIRCLE[np.argmax(np.abs(run.states[0].map.turn(CIRCLE)))])
-    starts = np.full(runs, run.run.start)
-    paths = sample_staircases(run.map, NOISE, run.run.cycles - 1, starts, run.run.seed + 1)
-    lower, upper = np.quantile(paths, [0.025, 0.975], axis=0)
-    turns = (paths[:, -1] - paths[:, 0]) / TWO_PI
-    pairs = measured_theta0(measured, surface)
-    path = None if pairs is None else pairs.path
-    recorded = None if path is None else climb_of(beside(path, run.run.start), level)
-    return MaterialStaircase(run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded)
+    found = []
+    for surface, material in STANDS_FOR.items():
+        run = sampled_run(material, sampling)
+        level = float(CIRCLE[np.argmax(np.abs(run.states[0].map.turn(CIRCLE)))])
+        starts = np.full(runs, run.run.start)
+        paths = sample_staircases(run.map, NOISE, run.run.cycles - 1, starts, run.run.seed + 1)
+        lower, upper = np.quantile(paths, [0.025, 0.975], axis=0)
+        turns = (paths[:, -1] - paths[:, 0]) / TWO_PI
+        pairs = measured_theta0(measured, surface)
+        path = None if pairs is None else pairs.path
+        recorded = None if path is None else climb_of(beside(path, run.run.start), level)
+        found.append(MaterialStaircase(run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded))
+    return tuple(found)
 
 
 def beside(path: Array, start: float) -> Array:

@@ -104,14 +104,13 @@ def _material_rows(surface: str, name: str) -> list[FrictionRow]:
 
 def rows(result: FrictionEllipses) -> list[tuple[str, ...]]:
     """A row an ellipse."""
-    return [(row.material, row.source, *_cells(row)) for row in result.rows]
-
-
-def _cells(row: FrictionRow) -> list[str]:
-    law = row.law
-    given = [f"{value:.4f}" for value in (law.mu_a, law.mu_b, law.m0, law.n0)]
-    derived = [f"{row.mean:.4f}", f"{row.axis_ratio:.3f}", f"{100 * row.offset:.1f}"]
-    return [*given, f"{math.degrees(law.phi):.2f}", *derived, f"{math.degrees(row.offset_direction):.1f}"]
+    told = []
+    for row in result.rows:
+        law, direction = row.law, f"{math.degrees(row.offset_direction):.1f}"
+        given = [f"{value:.4f}" for value in (law.mu_a, law.mu_b, law.m0, law.n0)]
+        derived = [f"{row.mean:.4f}", f"{row.axis_ratio:.3f}", f"{100 * row.offset:.1f}", direction]
+        told.append((row.material, row.source, *given, f"{math.degrees(law.phi):.2f}", *derived))
+    return told
 
 
 def caption(result: FrictionEllipses) -> str:

@@ -39,53 +39,43 @@ def rows(result: LawErrors) -> list[tuple[str, ...]]:
     """The paper's row of each material, then those simulated, then the recorded one where it was found."""
     told = []
     for each, laws in zip(result.materials, result.laws, strict=True):
-        told.append((each.surface, "paper", str(PUBLISHED_CYCLES), *_paper_cells(each)))
-        told += [(each.surface, source, str(one.count), *_cells(one)) for source, one in laws]
+        cells = []
+        given = zip(each.published.rmse, each.published.rmse_percent, QUANTITIES, strict=True)
+        for rmse, percent, (_, _, factor) in given:
+            cells += [f"{abs(factor) * rmse:.2f}", f"{percent:.2f}", ""]
+        told.append((each.surface, "paper", str(PUBLISHED_CYCLES), *cells))
+        for source, one in laws:
+            cells = []
+            for found, (_, _, factor) in zip(one.laws, QUANTITIES, strict=True):
+                law = found.law
+                cells += [_error(found, factor)]
+                cells += ["", ""] if law is None else [f"{law.percent:.2f}", str(law.harmonics)]
+            told.append((each.surface, source, str(one.count), *cells))
     return told
-
-
-def _paper_cells(each: MaterialPushes) -> list[str]:
-    cells = []
-    given = zip(each.published.rmse, each.published.rmse_percent, QUANTITIES, strict=True)
-    for rmse, percent, (_, _, factor) in given:
-        cells += [f"{abs(factor) * rmse:.2f}", f"{percent:.2f}", ""]
-    return cells
-
-
-def _cells(laws: SetLaws) -> list[str]:
-    cells = []
-    for found, (_, _, factor) in zip(laws.laws, QUANTITIES, strict=True):
-        law = found.law
-        told = ["", ""] if law is None else [f"{law.percent:.2f}", str(law.harmonics)]
-        cells += [_error(found, factor), *told]
-    return cells
 
 
 def caption(result: LawErrors) -> str:
     """What the rows are, and how much of the paper's errors the simulated scatter explains."""
     jitter = [float(np.sqrt(np.mean(np.square(run.jitter)))) for each in result.materials for run in each.runs]
+    sentences = []
+    for index, (name, unit, factor) in enumerate(QUANTITIES):
+        errors = []
+        for each, laws in zip(result.materials, result.laws, strict=True):
+            # The last material simulated is the one that stands for the paper's.
+            law, paper = simulated_laws(laws)[-1].laws[index], abs(factor) * each.published.rmse[index]
+            errors.append(f"{_error(law, factor)} of {paper:.2f} on {each.surface}")
+        sentences.append(f"{name} ({unit}): {listed(errors)}.")
     told = [
         "Root mean square error of the law of θ0 fitted to the pushes, the number of harmonics chosen by "
         "cross-validation. The paper's percentages are as it prints them, of means up to 3 % off those of Table II. "
         "Simulated: in each push the centre of the limit "
         f"ellipse is off by {100 * min(jitter):.1f} to {100 * max(jitter):.1f} % RMS of the mean coefficient, as much "
         "as makes the next θ0 scatter by 1.1°, and nothing else.",
-        *[_sentence(index, result) for index in range(len(QUANTITIES))],
+        *sentences,
         "What is left of the paper's errors may be wear, other scatter of friction and the instruments.",
         not_found("pushes", absent(result.materials)),
     ]
     return " ".join(filter(None, told))
-
-
-def _sentence(index: int, result: LawErrors) -> str:
-    name, unit, factor = QUANTITIES[index]
-    told = []
-    for each, laws in zip(result.materials, result.laws, strict=True):
-        # The last material simulated is the one that stands for the paper's.
-        law = simulated_laws(laws)[-1].laws[index]
-        paper = abs(factor) * each.published.rmse[index]
-        told.append(f"{_error(law, factor)} of {paper:.2f} on {each.surface}")
-    return f"{name} ({unit}): {listed(told)}."
 
 
 def _error(found: MotionLaw, factor: float) -> str:

@@ -70,16 +70,14 @@ def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialDirections, ...]:
     """Simulate pushes on each material and look for recorded ones."""
-    return tuple(
-        _material(measured, surface, sampled_run(material, sampling)) for surface, material in STANDS_FOR.items()
-    )
-
-
-def _material(measured: MeasuredFolder, surface: str, run: SampledRun) -> MaterialDirections:
-    pairs = measured_theta0(measured, surface)
-    theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
-    recorded = None if theta0 is None else angle_histogram(theta0)
-    return MaterialDirections(run, angle_histogram(run.pushes.theta), run.density(CIRCLE), theta0, recorded)
+    found = []
+    for surface, material in STANDS_FOR.items():
+        run, pairs = sampled_run(material, sampling), measured_theta0(measured, surface)
+        theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
+        recorded = None if theta0 is None else angle_histogram(theta0)
+        simulated = angle_histogram(run.pushes.theta)
+        found.append(MaterialDirections(run, simulated, run.density(CIRCLE), theta0, recorded))
+    return tuple(found)
 
 
 def draw(result: tuple[MaterialDirections, ...]) -> Figure:
@@ -99,12 +97,6 @@ def _draw_material(axes: Axes, one: MaterialDirections) -> None:
     axes.set_ylabel("probability per degree")
     shown = [height, density] if one.recorded is None else [height, density, PER_DEGREE * one.recorded.density]
     axes.set_ylim(0.0, 1.3 * float(np.max(np.concatenate(shown))))
-    _mark_published(axes, one)
-    legend_above(axes, columns=2)
-
-
-def _mark_published(axes: Axes, one: MaterialDirections) -> None:
-    """The paper's peaks as dashed lines with their names at the top, where nothing else is drawn."""
     label, top = "paper's peak", axes.get_ylim()[1]
     for place, word in zip(_published(one), PEAK_WORDS[one.run.surface], strict=True):
         axes.axvline(place, ymax=0.9, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2)
@@ -112,6 +104,7 @@ def _mark_published(axes: Axes, one: MaterialDirections) -> None:
         label = "_"
     if not PEAK_WORDS[one.run.surface]:
         axes.text(0.5, 0.94, "paper: no stable direction", transform=axes.transAxes, ha="center", va="center", size=7.5)
+    legend_above(axes, columns=2)
 
 
 def _published(one: MaterialDirections) -> list[float]:

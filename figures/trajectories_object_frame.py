@@ -70,7 +70,11 @@ def draw(result: ObjectFramePaths) -> Figure:
 
 def caption(result: ObjectFramePaths) -> str:
     """What is shown, how far the ends spread, and what is published of that."""
-    spreads = [_spread_beside_published(result, number) for number in range(len(result.surfaces))]
+    spreads, units = [], ((float(np.degrees(1.0)), "°"), (MM, " mm"), (MM, " mm"))
+    for number, paths in enumerate(result.surfaces):
+        both = zip(result.spread(number), published_statistics(paths.surface).std, units, strict=True)
+        told = ", ".join(f"{unit * here:.1f}{name} ({unit * there:.1f})" for here, there, (unit, name) in both)
+        spreads.append(f"{paths.surface} {told}")
     scatter = "" if all(paths.recorded for paths in result.surfaces) else _LAW_SCATTER
     return (
         "Paths of the object's centre in equal pushes, in the object's frame before each push (it starts at the "
@@ -79,14 +83,6 @@ def caption(result: ObjectFramePaths) -> str:
         f"published one (Table II): {'; '.join(spreads)}. {scatter}"
         f"{material_sentence(result.surfaces)}"
     )
-
-
-def _spread_beside_published(result: ObjectFramePaths, number: int) -> str:
-    surface = result.surfaces[number].surface
-    published = published_statistics(surface).std
-    pairs = zip(result.spread(number), published, (float(np.degrees(1.0)), MM, MM), ("°", " mm", " mm"), strict=True)
-    told = ", ".join(f"{unit * here:.1f}{name} ({unit * there:.1f})" for here, there, unit, name in pairs)
-    return f"{surface} {told}"
 
 
 # A simulated push has no scatter about the law that Table III tells of.

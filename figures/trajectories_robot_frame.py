@@ -53,9 +53,15 @@ class RobotFramePaths:
 def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> RobotFramePaths:
     """Run or read the pushes on the four surfaces, `drawn` of a run of `cycles`, and count their crossings."""
     surfaces = paths_on_four_surfaces(measured, cycles, drawn)
-    return RobotFramePaths(
-        surfaces, [crowded_arcs(paths.orientations) for paths in surfaces], [_crossings(paths) for paths in surfaces]
-    )
+    crossed = []
+    for paths in surfaces:
+        chosen = np.unique(np.linspace(0, len(paths.theta0) - 1, COUNTED).round().astype(int))
+        theta = paths.theta0[chosen]
+        apart = np.abs(shorter_way(theta - theta[:, None])) >= APART
+        # Every second station: the paths bend too little between them to hide a crossing.
+        here, pairs = crossing_pairs(paths.robot_frame[chosen, ::2], apart)
+        crossed.append((here, crossing_pairs(paths.object_frame[chosen, ::2], apart)[0], pairs))
+    return RobotFramePaths(surfaces, [crowded_arcs(paths.orientations) for paths in surfaces], crossed)
 
 
 def crowded_arcs(orientations: Array) -> list[Arc]:
@@ -73,15 +79,6 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
         (float(histogram.edges[first]), float(histogram.edges[first] + width * 2 * np.pi / size))
         for first, width in zip(begins.tolist(), widths, strict=True)
     ]
-
-
-def _crossings(paths: PushedPaths) -> tuple[int, int, int]:
-    chosen = np.unique(np.linspace(0, len(paths.theta0) - 1, COUNTED).round().astype(int))
-    theta = paths.theta0[chosen]
-    apart = np.abs(shorter_way(theta - theta[:, None])) >= APART
-    # Every second station: the paths bend too little between them to hide a crossing.
-    here, pairs = crossing_pairs(paths.robot_frame[chosen, ::2], apart)
-    return here, crossing_pairs(paths.object_frame[chosen, ::2], apart)[0], pairs
 
 
 def draw(result: RobotFramePaths) -> Figure:
@@ -120,21 +117,19 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
 
 def caption(result: RobotFramePaths) -> str:
     """What is shown, where it is crowded, and how many paths cross."""
-    marked = "; ".join(_told_arcs(paths, arcs) for paths, arcs in zip(result.surfaces, result.arcs, strict=True))
+    marked = []
+    for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
+        told = ", ".join(f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs)
+        marked.append(f"{paths.surface} {told or 'nowhere'}")
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
         "Paths of the object's centre in equal pushes, in the robot's frame about the reset's target (cross); a darker "
         "shade is a larger turn. Thick arcs are where those pushes end whose orientation before the push occurs at "
-        f"least twice as often as if all were alike (in bins of 10°): {marked}. "
+        f"least twice as often as if all were alike (in bins of 10°): {'; '.join(marked)}. "
         f"Of {pairs} pairs of paths from orientations "
         f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
         f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
     )
-
-
-def _told_arcs(paths: PushedPaths, arcs: list[Arc]) -> str:
-    told = ", ".join(f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs)
-    return f"{paths.surface} {told or 'nowhere'}"
 
 
 FIGURE = PaperFigure(compute, draw, caption)

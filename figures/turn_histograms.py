@@ -66,16 +66,11 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DE
         panels.append(_panel(surface, found is not None, False, fitted_laws(shown).dtheta, runs))
         if found is None:
             absent.append(surface)
-            panels += _whole_cycles(measured, surface, runs)
+            pairs = measured_theta0(measured, surface)
+            if pairs is not None:
+                # θ0 was recorded without its pushes: whole cycles are at hand.
+                panels.append(_panel(surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn), runs))
     return TurnHistograms(tuple(sorted(panels, key=lambda panel: panel.whole_cycle)), tuple(absent))
-
-
-def _whole_cycles(measured: MeasuredFolder, surface: str, runs: int) -> list[TurnPanel]:
-    """The panel of whole cycles where θ0 was recorded without its pushes; none otherwise."""
-    pairs = measured_theta0(measured, surface)
-    if pairs is None:
-        return []
-    return [_panel(surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn), runs)]
 
 
 def _panel(surface: str, recorded: bool, whole_cycle: bool, law: MotionLaw, runs: int) -> TurnPanel:

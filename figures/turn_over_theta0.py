@@ -64,18 +64,15 @@ def shortest_arc(theta: Array, share: float) -> float:
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialTurns, ...]:
     """Simulate pushes on each material, look for recorded ones, and fit the law of Δθ to both."""
-    return tuple(
-        _material(measured_run(measured, surface), sampled_run(material, sampling))
-        for surface, material in STANDS_FOR.items()
-    )
-
-
-def _material(found: MeasuredRun | None, run: SampledRun) -> MaterialTurns:
-    simulated = fitted_laws(run.pushes).dtheta
-    law = simulated if found is None else fitted_laws(found.pushes).dtheta
-    shown = run.states[:: max(len(run.states) - 1, 1)]
-    curves = np.array([state.push_motion(CIRCLE)[:, 0] for state in shown])
-    return MaterialTurns(run, found, law, simulated, curves)
+    panels = []
+    for surface, material in STANDS_FOR.items():
+        found, run = measured_run(measured, surface), sampled_run(material, sampling)
+        simulated = fitted_laws(run.pushes).dtheta
+        law = simulated if found is None else fitted_laws(found.pushes).dtheta
+        shown = run.states[:: max(len(run.states) - 1, 1)]
+        curves = np.array([state.push_motion(CIRCLE)[:, 0] for state in shown])
+        panels.append(MaterialTurns(run, found, law, simulated, curves))
+    return tuple(panels)
 
 
 def draw(result: tuple[MaterialTurns, ...]) -> Figure:
@@ -104,6 +101,11 @@ def _draw_material(axes: Axes, one: MaterialTurns) -> None:
 def caption(result: tuple[MaterialTurns, ...]) -> str:
     """What is drawn, and how far each law and each range of directions goes."""
     count = result[0].run.pushes.count
+    recorded = [
+        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within {np.degrees(one.law.law.rmse):.2f}° RMS)"
+        for one in result
+        if one.measured is not None and one.law.law is not None
+    ]
     told = [
         f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a material with the law "
         "fitted to them. In each push friction is off by a random offset, as much as makes the next θ0 scatter by "
@@ -112,7 +114,7 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
         *[_sentence(one) for one in result],
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up to "
         f"{listed(f'{np.degrees(one.worst_miss):.1f}° on {one.run.surface}' for one in result)}.",
-        _recorded(result),
+        f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
         not_found("pushes", [one.run.surface for one in result if one.measured is None]),
     ]
     return " ".join(filter(None, told))
@@ -127,16 +129,6 @@ def _sentence(one: MaterialTurns) -> str:
         f"(paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 % of these start on an arc of "
         f"{np.degrees(one.arc):.0f}°."
     )
-
-
-def _recorded(result: tuple[MaterialTurns, ...]) -> str:
-    there = [one for one in result if one.measured is not None and one.law.law is not None]
-    told = [
-        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within {np.degrees(one.law.law.rmse):.2f}° RMS)"
-        for one in there
-        if one.measured is not None and one.law.law is not None
-    ]
-    return f"Recorded pushes are drawn, and their law, on {listed(told)}." if told else ""
 
 
 FIGURE = PaperFigure(compute, draw, caption)

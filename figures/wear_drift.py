@@ -14,7 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
-from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views.sentences import LONGEST_STAY
 from cyclemap.views.style import (
     MEASURED,
@@ -94,7 +94,12 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
     assert wear is not None
     drifting = drifting_map(loop, int(wear.cycles) + 1)
     ages = np.linspace(0.0, wear.cycles, points)
-    mean_turn = np.array([_mean_turn(drifting.at(float(age))) for age in ages])
+    # Under noise on the frozen surface; the trapezoidal rule is exact for waves.
+    means = []
+    for frozen in map(drifting.at, ages.tolist()):
+        density = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA)).density(_EVEN)
+        means.append(float(np.mean(density * frozen.turn(_EVEN))) * 2 * np.pi)
+    mean_turn = np.array(means)
     cycles = np.linspace(0.0, wear.cycles, 41)
     turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
     error = drifting.max_error
@@ -120,12 +125,6 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
 
 
-def _mean_turn(frozen: CircleMap) -> float:
-    """The mean turn (rad) of a cycle on the frozen surface under noise; the trapezoidal rule is exact for waves."""
-    operator = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA))
-    return float(np.mean(operator.density(_EVEN) * frozen.turn(_EVEN))) * 2 * np.pi
-
-
 def draw(result: WearDrift) -> Figure:
     """The turn at three ages, computed and measured; the least turn and the cycles of a turn over the cycles."""
     with picture_style():
@@ -139,7 +138,14 @@ def draw(result: WearDrift) -> Figure:
             seen = figure.add_subplot(grid[0, 1], sharey=computed)
             seen.set_title("Measured: turn of a cycle, fitted", pad=22)
             _draw_turns(seen, result.measured_turns, _MEASURED_LOOKS)
-        _draw_least(least, result)
+        least.axhline(0.0, color=QUIET, linewidth=0.9)
+        least.plot(result.cycles, np.degrees(result.least), color=PREDICTED, linewidth=1.8, label="computed")
+        if result.measured_least is not None:
+            look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
+            least.plot(result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look)
+        least.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
+        least.set_title("The bottleneck opens", pad=22)
+        legend_above(least)
         _draw_pace(pace, result)
     return figure
 
@@ -150,17 +156,6 @@ def _draw_turns(axes: Axes, turns: tuple[Array, ...], looks: tuple[tuple[str, st
         axes.plot(np.degrees(_GRID), np.degrees(turn), dashes, color=color, linewidth=1.8, label=f"cycle {age}")
     degree_axis(axes, "θ0 (°)")
     axes.set_ylabel("turn of a cycle (°)")
-    legend_above(axes)
-
-
-def _draw_least(axes: Axes, result: WearDrift) -> None:
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    axes.plot(result.cycles, np.degrees(result.least), color=PREDICTED, linewidth=1.8, label="computed")
-    if result.measured_least is not None:
-        look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
-        axes.plot(result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look)
-    axes.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
-    axes.set_title("The bottleneck opens", pad=22)
     legend_above(axes)
 
 

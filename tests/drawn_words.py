@@ -14,7 +14,8 @@ def assert_words_apart(figure: Figure) -> None:
     """No two texts of the figure lie over each other, tick labels and legends among them, and none sticks out of it."""
     figure.canvas.draw()
     renderer = figure.canvas.get_renderer()
-    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in words_of_figure(figure)]
+    # Of an annotation the words alone, without its arrow.
+    boxes = [(text.get_text(), Text.get_window_extent(text, renderer)) for text in words_of_figure(figure)]
     assert boxes
     for words, box in boxes:
         inside = box.x0 >= -1 and box.y0 >= -1 and box.x1 <= figure.bbox.x1 + 1 and box.y1 <= figure.bbox.y1 + 1

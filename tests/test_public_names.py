@@ -43,17 +43,3 @@ def test_the_docstring_of_a_room_is_its_table_of_contents(room):
     entries = [line.split(" : ") for line in module.__doc__.splitlines() if " : " in line]
     told = [name for names, words in entries for name in names.split(", ") if words.strip()]
     assert sorted(told) == sorted(module.__all__)
-
-
-def test_unknown_name_is_an_attribute_error():
-    """A name that does not exist fails as it does for any module."""
-    with pytest.raises(AttributeError, match="no attribute 'CollectionLop'"):
-        _ = cm.CollectionLop
-
-
-def test_import_is_light():
-    """Importing the package alone loads none of the heavy libraries."""
-    heavy = "casadi", "scipy", "matplotlib"
-    code = f"import sys, cyclemap; print([name for name in {heavy!r} if name in sys.modules])"
-    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert printed.strip() == "[]"

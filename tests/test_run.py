@@ -21,7 +21,7 @@ class Installer:
             "VENV": venv,
             "STAMP": venv / "stamp.json",
             "PYTHON": venv / "bin" / "python",
-            "pip_works": self.pip_works,
+            "pip_works": lambda: self.pip,
             "rebuild": self.rebuild,
             "install": self.install,
             "engine_is_built": lambda: self.engine,
@@ -32,9 +32,6 @@ class Installer:
         (folder / "setup.py").touch()
         (folder / "constraints.txt").touch()
         self.pip, self.engine = False, True
-
-    def pip_works(self) -> bool:
-        return self.pip
 
     def rebuild(self) -> None:
         self.calls.append("rebuild")
@@ -75,15 +72,10 @@ def test_first_run_builds_and_the_next_does_nothing(installer) -> None:
     assert installer.ensure() == []
 
 
-def test_test_tools_are_added_once_and_kept(installer) -> None:
+def test_test_tools_are_added_once_and_kept_when_changed_metadata_bring_up_to_date(installer, run) -> None:
     installer.ensure()
     assert installer.ensure(testing=True) == ["install testing"]
-    assert installer.ensure(testing=True) == []
-    assert installer.ensure() == []
-
-
-def test_changed_metadata_brings_up_to_date_with_the_same_tools(installer, run) -> None:
-    installer.ensure(testing=True)
+    assert installer.ensure(testing=True) == installer.ensure() == []
     (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
     assert installer.ensure() == ["install testing"]
 
@@ -168,8 +160,11 @@ def test_unfit_python_is_one_line_and_exit_1(run, monkeypatch, capsys, version, 
     assert shown.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("failing", range(4))
-def test_every_check_runs_and_any_failure_counts(run, monkeypatch, failing) -> None:
+@pytest.mark.parametrize("quick", [["--quick"], []])
+@pytest.mark.parametrize("failing", range(5))
+def test_every_check_runs_any_failure_counts_and_a_quick_run_leaves_out_slow_tests(
+    run, monkeypatch, failing, quick
+) -> None:
     made: list[list[str]] = []
 
     def call(command, cwd=None):
@@ -177,19 +172,10 @@ def test_every_check_runs_and_any_failure_counts(run, monkeypatch, failing) -> N
         return 3 if len(made) == failing + 1 else 0
 
     monkeypatch.setattr(run, "call", call)
-    assert run.run_tests(["-k", "cycle"]) == 3
+    assert run.run_tests([*quick, "-k", "cycle"]) == (3 if failing < 4 else 0)
     assert [command[2] for command in made] == ["ruff", "ruff", "mypy", "pytest"]
-    assert made[-1][-2:] == ["-k", "cycle"]
-
-
-@pytest.mark.parametrize(("asked", "left_out"), [(["--quick", "tests/maps"], True), (["tests/maps"], False)])
-def test_a_quick_run_leaves_out_the_tests_marked_slow(run, monkeypatch, asked, left_out) -> None:
-    """All the checks run; of the tests those that the marker `slow` of pyproject.toml is not on."""
-    made: list[list[str]] = []
-    monkeypatch.setattr(run, "call", lambda command, cwd=None: made.append(command) or 0)
-    assert run.run_tests(asked) == 0
-    assert len(made) == 4 and made[-1][-1] == "tests/maps" and "--quick" not in made[-1]
-    assert ("not slow" in made[-1]) == left_out
+    assert made[-1][-2:] == ["-k", "cycle"] and "--quick" not in made[-1]
+    assert ("not slow" in made[-1]) == bool(quick)
 
 
 @pytest.mark.parametrize(("code", "said"), [(0, "index.html"), (2, "")])

@@ -14,10 +14,7 @@ from cyclemap.mechanics import load_footprint, load_material
 from cyclemap.resets import read_protocol
 from cyclemap.text_files import LARGEST_CONTENT
 
-READERS = {
-    ".csv": (read_theta0_pairs, load_footprint),
-    ".toml": (load_material, read_protocol),
-}
+READERS = {".csv": (read_theta0_pairs, load_footprint), ".toml": (load_material, read_protocol)}
 TABLES = ("object_pose", "tip_pose", "ft_wrench")
 
 

@@ -101,12 +101,16 @@ def parse_over(text: str) -> SweptKey:
     if not (key and equals and values):
         raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
     check_key(key)
-    if ":" in values and SWEPT[key].kind != WORD:
-        return _stretch(key, text, values.split(":"))
-    return SweepAxis(key, _listed(key, values))
-
-
-def _stretch(key: str, text: str, parts: list[str]) -> SweptKey:
+    kind, parts = SWEPT[key].kind, values.split(":")
+    if kind == WORD:
+        return SweepAxis(key, tuple(part.strip() for part in values.split(",")))
+    if len(parts) == 1:
+        try:
+            listed = json_value(f"[{values}]") if kind == POINTS else list(map(plain_number, values.split(",")))
+        except ValueError as cause:
+            form = "[[x, y], ...],[[x, y], ...]" if kind == POINTS else "numbers, by commas"
+            raise InvalidInput(f"--over {key}={values}: give {form}") from cause
+        return SweepAxis(key, tuple(listed))  # type: ignore[arg-type]
     try:
         numbers = [plain_number(part) for part in parts[:2]]
         count = plain_whole(parts[2]) if len(parts) == 3 else 0
@@ -119,17 +123,6 @@ def _stretch(key: str, text: str, parts: list[str]) -> SweptKey:
     if not 1 <= count <= _MOST_VALUES:
         raise InvalidInput(f"--over {text!r}: the count is {count}; give 1 to {_MOST_VALUES} values")
     return SweepAxis(key, tuple(np.linspace(numbers[0], numbers[1], count).tolist()))
-
-
-def _listed(key: str, text: str) -> tuple[object, ...]:
-    words, kind = tuple(part.strip() for part in text.split(",")), SWEPT[key].kind
-    if kind == WORD:
-        return words
-    try:
-        return tuple(json_value(f"[{text}]")) if kind == POINTS else tuple(map(plain_number, words))  # type: ignore[arg-type]
-    except ValueError as cause:
-        form = "[[x, y], ...],[[x, y], ...]" if kind == POINTS else "numbers, by commas"
-        raise InvalidInput(f"--over {key}={text}: give {form}") from cause
 
 
 def check_key(key: str) -> None:

@@ -152,11 +152,6 @@ def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in GROUPS if name == "map" or name in names or "all" in names)
 
 
-def quantities_of(groups: tuple[str, ...]) -> tuple[Quantity, ...]:
-    """All quantities of some groups."""
-    return tuple(quantity for group in groups for quantity in GROUPS[group])
-
-
 # How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics are looked at.
 _COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
 
@@ -229,7 +224,7 @@ class PortraitNumbers:
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """The quantities of the groups."""
-        return quantities_of(self.groups)
+        return tuple(quantity for group in self.groups for quantity in GROUPS[group])
 
     @property
     def version(self) -> str:

@@ -49,25 +49,21 @@ def find_chunk(numbers: PointNumbers, points: tuple[SweptPoint, ...]) -> FoundCh
     What a point refuses is in its outcome; any other failure is a CycleMapError that names the point.
     """
     begun = time.perf_counter()
-    found = tuple((point, _find(numbers, point)) for point in points)
-    return FoundChunk(found, numbers.version, time.perf_counter() - begun)
-
-
-def _find(numbers: PointNumbers, point: SweptPoint) -> PointOutcome:
-    try:
-        with warnings.catch_warnings():
-            # A sweep goes where it is sent: what is doubtful of its ends was said when it was planned.
-            warnings.simplefilter("ignore", DoubtfulInput)
-            return numbers(point)
-    except Exception as error:
-        settings = (
-            f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}"
-            for key, value in point.settings.items()
-        )
-        raise CycleMapError(
-            f"point {point.number} ({', '.join(settings)}) failed, which no input should make it do: "
-            f"{type(error).__name__}: {error}"
-        ) from error
+    found = []
+    for point in points:
+        try:
+            with warnings.catch_warnings():
+                # A sweep goes where it is sent: what is doubtful of its ends was said when it was planned.
+                warnings.simplefilter("ignore", DoubtfulInput)
+                found.append((point, numbers(point)))
+        except Exception as error:
+            given = point.settings.items()
+            told = (f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}" for key, value in given)
+            raise CycleMapError(
+                f"point {point.number} ({', '.join(told)}) failed, which no input should make it do: "
+                f"{type(error).__name__}: {error}"
+            ) from error
+    return FoundChunk(tuple(found), numbers.version, time.perf_counter() - begun)
 
 
 class InThisProcess(Executor):
@@ -205,7 +201,8 @@ class _Run:
         try:
             for chunk in self._chunks():
                 self.waiting.add(self.executor.submit(find_chunk, self.plan.numbers, chunk))
-                while len(self.waiting) >= _CHUNKS_A_WORKER * self.workers or self._is_here():
+                # A chunk is done already where the executor is this process.
+                while len(self.waiting) >= _CHUNKS_A_WORKER * self.workers or any(one.done() for one in self.waiting):
                     self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
             while self.waiting:
                 self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
@@ -220,10 +217,6 @@ class _Run:
             ) from error
         finally:
             self._cancel()
-
-    def _is_here(self) -> bool:
-        """Whether a chunk is done already, as where the executor is this process."""
-        return any(future.done() for future in self.waiting)
 
     def _take(self, done: set[Future[FoundChunk]]) -> None:
         """Store the chunks that are done."""
@@ -254,29 +247,28 @@ class _Run:
                 self.waiting.discard(future)
 
     def _chunks(self) -> Iterator[tuple[SweptPoint, ...]]:
-        """The points that are not stored, in order, in chunks as long as points are quick."""
+        """The points that are not stored, in order, in chunks as long as points are quick.
+
+        One while their time is unknown, and few at the end, that all workers end together.
+        """
         chunk: list[SweptPoint] = []
-        for point in self._missing():
+        stored: set[str] = set()
+        for number in range(len(self.plan)):
+            if number % _LOOKED_UP == 0:
+                stored = self.store.digests(number, number + _LOOKED_UP)
+            point = self.plan.point(number)
+            if point.digest in stored:
+                continue
             chunk.append(point)
-            if len(chunk) >= self._chunk_size(point.number):
+            size = 1
+            if self.point_seconds is not None:
+                fair = (len(self.plan) - number) // (2 * self.workers)
+                size = min(int(_CHUNK_SECONDS / max(self.point_seconds, 1e-9)), fair, _LARGEST_CHUNK)
+            if len(chunk) >= size:
                 yield tuple(chunk)
                 chunk = []
         if chunk:
             yield tuple(chunk)
-
-    def _missing(self) -> Iterator[SweptPoint]:
-        for first in range(0, len(self.plan), _LOOKED_UP):
-            end = min(first + _LOOKED_UP, len(self.plan))
-            stored = self.store.digests(first, end)
-            points = (self.plan.point(number) for number in range(first, end))
-            yield from (point for point in points if point.digest not in stored)
-
-    def _chunk_size(self, number: int) -> int:
-        """Points of a chunk: few while their time is unknown, and few at the end, that all workers end together."""
-        if self.point_seconds is None:
-            return 1
-        fair = (len(self.plan) - number) // (2 * self.workers)
-        return max(1, min(int(_CHUNK_SECONDS / max(self.point_seconds, 1e-9)), fair, _LARGEST_CHUNK))
 
 
 def sweep_status(path: str | Path, plan: SweepPlan | None = None) -> SweepStatus:

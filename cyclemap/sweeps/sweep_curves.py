@@ -128,7 +128,12 @@ def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
     lines = tuple((one, values[order]) for one, values in _chosen(sweep, names))
     refused = parameter[sweep.refused]
     rotation_at, rotation = _rotation_numbers(sweep, parameter, order)
-    return SweptLines(axis, parameter[order], lines, rotation_at, rotation, _fixed_points(sweep, parameter), refused)
+    points = None
+    if "fixed_point_theta" in sweep.lists:
+        theta, stable = sweep.lists["fixed_point_theta"], sweep.lists["fixed_point_stable"]
+        at = np.repeat(parameter, [values.size for values in theta])
+        points = at, np.degrees(np.concatenate(theta)), np.concatenate(stable) == 1.0
+    return SweptLines(axis, parameter[order], lines, rotation_at, rotation, points, refused)
 
 
 def _order(value: object) -> tuple[bool, float, str]:
@@ -144,11 +149,3 @@ def _rotation_numbers(sweep: Sweep, parameter: Array, order: NDArray[np.int64]) 
     names = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
     value, lower, upper, period, winding = (sweep.columns[name][order] for name in names)
     return parameter[order], RotationNumbers(value, lower, upper, period.astype(int), winding.astype(int), 0.0)
-
-
-def _fixed_points(sweep: Sweep, parameter: Array) -> tuple[Array, Array, NDArray[np.bool_]] | None:
-    if "fixed_point_theta" not in sweep.lists:
-        return None
-    theta, stable = sweep.lists["fixed_point_theta"], sweep.lists["fixed_point_stable"]
-    at = np.repeat(parameter, [values.size for values in theta])
-    return at, np.degrees(np.concatenate(theta)), np.concatenate(stable) == 1.0

@@ -61,7 +61,17 @@ class SweepPlan:
         object.__setattr__(self, "settings", {key: checked_value(key, value) for key, value in self.settings.items()})
         object.__setattr__(self, "materials", self._loaded_materials())
         object.__setattr__(self, "footprint_files", self._read_footprints())
-        self._check_settings()
+        # Settings with which no loop can be made: not by themselves, nor at the first or the last point.
+        material = next(iter(self.materials.values()))
+        points = [self.point(number) for number in (0, len(self) - 1)]
+        faults = []
+        for surface, settings in ((material, self.settings), *((point.material, point.settings) for point in points)):
+            try:
+                CollectionLoop.from_settings(without_noise(settings)[0], CollectionLoop.mit(material=surface))
+            except InvalidInput as fault:
+                faults.append(fault)
+        if len(faults) > len(points):
+            raise faults[0]
 
     @classmethod
     def grid(
@@ -109,7 +119,12 @@ class SweepPlan:
         swept = self.points.settings(number)
         settings = {**self.settings, **swept}
         name = str(settings.pop(MATERIAL_KEY, ""))
-        return SweptPoint(number, self._digest(name, settings), self.materials[name], settings, swept)
+        material, numbers = self.materials[name], self.numbers
+        told: list[object] = [_fingerprint(material), settings, numbers.described(), numbers.version]
+        file = str(Path(str(settings.get(FOOTPRINT_KEY, ""))))
+        told += [self.footprint_files[file]] if file in self.footprint_files else []
+        digest = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+        return SweptPoint(number, digest, material, settings, swept)
 
     def described(self) -> dict[str, object]:
         """The plan as JSON takes it: what two sweeps must share to share a store."""
@@ -141,22 +156,6 @@ class SweepPlan:
         files = (Path(name) for name in sorted(names) if name)
         return {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
 
-    def _check_settings(self) -> None:
-        """Refuse settings with which no loop can be made: not by themselves, nor at the first or the last point."""
-        material = next(iter(self.materials.values()))
-        points = [self.point(number) for number in (0, len(self) - 1)]
-        tried = [(material, self.settings), *((point.material, point.settings) for point in points)]
-        faults = [fault for fault in (_fault(*one) for one in tried) if fault is not None]
-        if len(faults) == len(tried):
-            raise faults[0]
-
-    def _digest(self, material: str, settings: Mapping[str, object]) -> str:
-        numbers = self.numbers
-        told: list[object] = [_fingerprint(self.materials[material]), settings, numbers.described(), numbers.version]
-        file = str(Path(str(settings.get(FOOTPRINT_KEY, ""))))
-        told += [self.footprint_files[file]] if file in self.footprint_files else []
-        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
-
 
 def _mapping(over: object) -> Mapping[str, Any]:
     if not isinstance(over, Mapping):
@@ -175,15 +174,6 @@ def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:
     listed = points.axes if isinstance(points, Grid) else points.ranges
     axis = next((one for one in listed if one.key == key), None)
     return tuple(map(str, axis.values)) if isinstance(axis, SweepAxis) else ()
-
-
-def _fault(material: Material, settings: Mapping[str, object]) -> InvalidInput | None:
-    """Why no loop can be made of settings; None where it can."""
-    try:
-        CollectionLoop.from_settings(without_noise(settings)[0], CollectionLoop.mit(material=material))
-    except InvalidInput as fault:
-        return fault
-    return None
 
 
 @lru_cache(maxsize=64)

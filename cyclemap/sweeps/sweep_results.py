@@ -106,7 +106,23 @@ class Sweep:
         """
         found = self
         for key, value in wanted.items():
-            found = found._selected(key, value)
+            if key not in self.keys:
+                raise unknown_name("swept key", key, self.keys)
+            matches, single = found._match(key, value)
+            found = found.where(np.array([matches(one) for one in found.swept[key]], dtype=bool))
+            axis = next((axis for axis in found.axes if axis.key == key), None)
+            if axis is None:
+                if not len(found):
+                    raise InvalidInput(f"no point has {key}={value}")
+                continue
+            kept = tuple(one for one in axis.values if matches(one))
+            if not kept:
+                told = ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in axis.values[:12])
+                more = ", ..." if len(axis.values) > 12 else ""
+                raise InvalidInput(f"{key} does not take {value}; its values are {told}{more}")
+            thinner = [] if single else [replace(axis, values=kept)]
+            place = found.axes.index(axis)
+            found = replace(found, axes=(*found.axes[:place], *thinner, *found.axes[place + 1 :]))
         return found
 
     def where(self, chosen: ArrayLike | Callable[[Sweep], ArrayLike]) -> Sweep:
@@ -123,24 +139,6 @@ class Sweep:
             lists={name: tuple(values[k] for k in kept) for name, values in self.lists.items()},
             refusals=tuple(self.refusals[k] for k in kept),
         )
-
-    def _selected(self, key: str, wanted: Wanted) -> Sweep:
-        if key not in self.keys:
-            raise unknown_name("swept key", key, self.keys)
-        matches, single = self._match(key, wanted)
-        found = self.where(np.array([matches(value) for value in self.swept[key]], dtype=bool))
-        axis = next((axis for axis in self.axes if axis.key == key), None)
-        if axis is None:
-            if not len(found):
-                raise InvalidInput(f"no point has {key}={wanted}")
-            return found
-        kept = tuple(value for value in axis.values if matches(value))
-        if not kept:
-            raise InvalidInput(f"{key} does not take {wanted}; its values are {_told(axis.values)}")
-        fewer = tuple(
-            replace(one, values=kept) if one is axis else one for one in self.axes if not single or one is not axis
-        )
-        return replace(found, axes=fewer)
 
     def _match(self, key: str, wanted: Wanted) -> tuple[Callable[[object], bool], bool]:
         """Whether a value is wanted, and whether only one value is."""
@@ -162,11 +160,6 @@ def _same(value: object, wanted: object) -> bool:
     if isinstance(value, float) and isinstance(wanted, (int, float)):
         return bool(np.isclose(value, wanted, rtol=1e-12, atol=1e-15))
     return json.dumps(value) == json.dumps(wanted)
-
-
-def _told(values: tuple[object, ...], most: int = 12) -> str:
-    told = ", ".join(f"{value:.6g}" if isinstance(value, float) else str(value) for value in values[:most])
-    return told if len(values) <= most else f"{told}, ..."
 
 
 def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
@@ -255,39 +248,27 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     at = sweep.places() if sweep.axes else (np.arange(len(sweep)),)
     variables: dict[str, Any] = {}
     for one in sweep.quantities:
-        if one.listed:
-            variables.update(_listed_variables(sweep, one, dimensions, shape, at))
-        else:
+        attributes = {"units": one.written_unit, "long_name": one.meaning}
+        if not one.listed:
             values = np.full(shape, np.nan)
             values[at] = one.written_array(sweep.columns[one.name])
-            variables[one.written_name] = (dimensions, values, _attributes(one))
+            variables[one.written_name] = (dimensions, values, attributes)
+            continue
+        lists = sweep.lists[one.name]
+        padded, count = np.full((*shape, _longest(sweep, one)), np.nan), np.zeros(shape, dtype=np.int64)
+        rows = np.full((len(lists), padded.shape[-1]), np.nan)
+        for row, found in zip(rows, lists, strict=True):
+            row[: found.size] = found
+        padded[at], count[at] = one.written_array(rows), [found.size for found in lists]
+        about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
+        variables[one.written_name] = ((*dimensions, one.many), padded, attributes)
+        variables[f"{one.many}_count"] = (dimensions, count, about)
     refusal = np.full(shape, "", dtype=object)
     refusal[at] = np.array(sweep.refusals, dtype=object)
     variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})
     return xarray.Dataset(
         variables, _coordinates(sweep), {"title": "sweep", "plan": json.dumps(sweep.description["plan"])}
     )
-
-
-def _listed_variables(
-    sweep: Sweep, one: Quantity, dimensions: tuple[str, ...], shape: tuple[int, ...], at: tuple[Any, ...]
-) -> dict[str, Any]:
-    lists = sweep.lists[one.name]
-    padded, count = np.full((*shape, _longest(sweep, one)), np.nan), np.zeros(shape, dtype=np.int64)
-    sizes = np.array([values.size for values in lists], dtype=np.int64)
-    rows = np.full((len(lists), padded.shape[-1]), np.nan)
-    for row, values in zip(rows, lists, strict=True):
-        row[: values.size] = values
-    padded[at], count[at] = one.written_array(rows), sizes
-    about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
-    return {
-        one.written_name: ((*dimensions, one.many), padded, _attributes(one)),
-        f"{one.many}_count": (dimensions, count, about),
-    }
-
-
-def _attributes(quantity: Quantity) -> dict[str, str]:
-    return {"units": quantity.written_unit, "long_name": quantity.meaning}
 
 
 def _coordinates(sweep: Sweep) -> dict[str, Any]:

@@ -117,7 +117,13 @@ class SweepStore:
         """Store outcomes, all or none of them; a point that is stored already stays as it is."""
         keys, scalars, lists = self._columns()
         marks = ", ".join("?" * (len(keys) + len(scalars) + len(lists) + 4))
-        rows = [self._row(point, outcome) for point, outcome in found]
+        rows = []
+        for point, outcome in found:
+            row: list[object] = [point.digest, point.number, *(_kept(point.swept[key]) for key in keys)]
+            row += [_kept(outcome.values.get(name)) for name in scalars]
+            row += [None if name not in outcome.values else json.dumps(outcome.values[name]) for name in lists]
+            row.append(outcome.refusal)
+            rows.append((*row, _seal(row)))
         with self._faults_told(), self._transaction():
             self.connection.executemany(f"INSERT OR IGNORE INTO points VALUES ({marks})", rows)
 
@@ -125,15 +131,6 @@ class SweepStore:
         """Move what the log still holds into the file itself."""
         with self._faults_told():
             self.connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-
-    def _row(self, point: SweptPoint, outcome: PointOutcome) -> tuple[object, ...]:
-        keys, scalars, lists = self._columns()
-        row: list[object] = [point.digest, point.number]
-        row += [_kept(point.swept[key]) for key in keys]
-        row += [_kept(outcome.values.get(name)) for name in scalars]
-        row += [None if name not in outcome.values else json.dumps(outcome.values[name]) for name in lists]
-        row.append(outcome.refusal)
-        return (*row, _seal(row))
 
     def _columns(self) -> tuple[list[str], list[str], list[str]]:
         """Names of the columns of keys, of numbers, and of lists."""

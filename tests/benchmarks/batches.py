@@ -9,8 +9,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import math
-import statistics
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -20,7 +18,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.collection.loop import run_cycles
 from cyclemap.mechanics import EllipseFriction, Material
 from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE, thread_count
-from tests.benchmarks.timing import Row, show
+from tests.benchmarks.timing import Row, in_turns, show
 
 MIT = CollectionLoop.mit()
 MATERIALS, ORIENTATIONS = 2_000, 8
@@ -33,17 +31,6 @@ def random_loops(count: int, seed: int = 1) -> list[CollectionLoop]:
     laws = [EllipseFriction(*rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi))
             for _ in range(count)]  # fmt: skip
     return [replace(MIT, material=Material("drawn", law)) for law in laws]
-
-
-def in_turn(ways: dict[str, Callable[[], object]], repeats: int = 5) -> dict[str, float]:
-    """Median time of each way, all of them once a round."""
-    times: dict[str, list[float]] = {name: [] for name in ways}
-    for _ in range(repeats):
-        for name, run in ways.items():
-            begun = time.perf_counter()
-            run()
-            times[name].append(time.perf_counter() - begun)
-    return {name: statistics.median(found) for name, found in times.items()}
 
 
 def on(threads: int, run: Callable[[], object]) -> Callable[[], object]:
@@ -69,18 +56,19 @@ def batch_rows(materials: int = MATERIALS, repeats: int = 3) -> list[Row]:
         f"a call a loop, {cores} threads": on(cores, lambda: [loop.cycles(THETA) for loop in random_loops(materials)]),
         "a call a cycle": lambda: [loop.cycle(t) for loop in random_loops(materials) for t in THETA.tolist()],
     }
-    cycles, found = materials * THETA.size, in_turn(ways, repeats)
-    return [Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in found.items()]
+    cycles, found = materials * THETA.size, in_turns(list(ways.values()), repeats)
+    told = zip(ways, found, strict=True)
+    return [Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in told]
 
 
 def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
     """One material from many orientations on more and more threads: what each thread adds."""
     theta = np.linspace(-math.pi, math.pi, cycles)
     counts = sorted({1, thread_count()})
-    found = in_turn({str(n): on(n, lambda: MIT.cycles(theta)) for n in counts}, repeats)
+    found = in_turns([on(n, lambda: MIT.cycles(theta)) for n in counts], repeats)
     return [
-        Row(f"{n} thread(s)", found[str(n)], f"{found['1'] / found[str(n)]:.2f} times as fast as 1, {cycles:,} cycles")
-        for n in counts
+        Row(f"{n} thread(s)", taken, f"{found[0] / taken:.2f} times as fast as 1, {cycles:,} cycles")
+        for n, taken in zip(counts, found, strict=True)
     ]
 
 

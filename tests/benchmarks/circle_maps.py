@@ -19,7 +19,6 @@ from cyclemap.maps import (
     mean_passage_time,
     periodic_points,
     rotation_numbers,
-    sample_staircase,
     tongue,
     transfer_operator,
 )
@@ -47,29 +46,16 @@ def ulam_density(cells: int) -> np.ndarray:
 
 
 def density_rows() -> list[Row]:
-    """The stationary density of the noisy sine map at 256 angles: exact modes, samples, and Ulam's method."""
-    theta = np.linspace(0.0, TURN, 150, endpoint=False)
-    sampled = CircleMap.from_samples(theta, SINE(theta), SINE.derivative(theta))
+    """The stationary density of the noisy sine map at 256 angles: exact modes, and Ulam's method."""
     truth = transfer_operator(SINE, NOISE).density(ANGLES)
     cells = 1024
     off = float(np.max(np.abs(ulam_density(cells)[:: cells // 256] - truth)))
     bound = transfer_operator(SINE, NOISE).error_bound
+    ours = seconds(lambda: transfer_operator(SINE, NOISE).density(ANGLES), 21)
+    bounded = seconds(lambda: transfer_operator(SINE, NOISE).error_bound, 21)
     return [
-        Row(
-            "density at σ = .05 turns",
-            seconds(lambda: transfer_operator(SINE, NOISE).density(ANGLES), 21),
-            f"error bound {bound:.0e}",
-        ),
-        Row(
-            "the same, map of 150 samples",
-            seconds(lambda: transfer_operator(sampled, NOISE).density(ANGLES), 21),
-            "256 angles",
-        ),
-        Row(
-            "the same with its error bound",
-            seconds(lambda: transfer_operator(SINE, NOISE).error_bound, 21),
-            "256 angles",
-        ),
+        Row("density at σ = .05 turns", ours, f"error bound {bound:.0e}"),
+        Row("the same with its error bound", bounded, "256 angles"),
         Row(f"Ulam's method, {cells} cells", seconds(lambda: ulam_density(cells), 3), f"off by {off:.0e}"),
     ]
 
@@ -132,7 +118,7 @@ def bisected_edge() -> float:
 
 def tongue_rows() -> list[Row]:
     """The tongue 1/3 of the sine family at K = 0.9."""
-    family = partial(_arnold, 0.9)
+    family = partial(CircleMap.arnold, K=0.9)
     left = tongue(family, (1, 3), (0.3, 0.37)).left
     off = abs(bisected_edge() - float(left))
     return [
@@ -141,10 +127,6 @@ def tongue_rows() -> list[Row]:
         ),
         Row("one by bisection of plain iterates", seconds(bisected_edge, 1), f"off by {off:.0e} turns"),
     ]
-
-
-def _arnold(strength: float, omega: float) -> CircleMap:
-    return CircleMap.arnold(omega, strength)
 
 
 def sampled_passage(paths: int) -> tuple[float, float]:
@@ -174,23 +156,6 @@ def passage_rows() -> list[Row]:
     ]
 
 
-def path_rows() -> list[Row]:
-    """A cycle of a noisy path: one path in a loop, beside the same loop with NumPy scalars."""
-    count = 200_000
-    taken = seconds(lambda: sample_staircase(SINE, NOISE, count), 5) / count
-
-    def plain() -> None:
-        theta = 0.0
-        for kick in np.random.default_rng(0).normal(0.0, NOISE.sigma, 20_000):
-            theta = SINE(theta) + kick
-
-    slow = seconds(plain, 3) / 20_000
-    return [
-        Row("a cycle of a noisy path", taken, f"{1 / taken:.3g} a second"),
-        Row("the same, map called by NumPy", slow, f"{1 / slow:.3g} a second"),
-    ]
-
-
 def main() -> None:
     """Print the tables."""
     show("stationary density", density_rows())
@@ -198,7 +163,6 @@ def main() -> None:
     show("rotation numbers", rotation_rows())
     show("tongue edges", tongue_rows())
     show("passage times", passage_rows())
-    show("paths", path_rows())
 
 
 if __name__ == "__main__":

@@ -10,23 +10,22 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import math
 import platform
-import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from cyclemap.collection import CollectionLoop
+from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint
 from cyclemap.mechanics import Ellipse, Footprint, PatchFootprint, Pose, QuasiStaticModel, SidePush, grid_footprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, THREADS_VARIABLE, thread_count
-from tests.benchmarks.timing import Row, map_alone, seconds, show
+from tests.benchmarks.timing import Row, in_turns, map_alone, seconds, show
 
 MIT = CollectionLoop.mit()
 ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
@@ -124,6 +123,23 @@ def map_rows() -> list[Row]:
     return [Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores") for name, loop, tolerance in maps]
 
 
+def dynamic_rows() -> list[Row]:
+    """The cycle with inertia on 8 x 8 points, beside the quasi-static one on the same points."""
+    gridded, theta = replace(MIT, footprint=FOOTPRINTS["8 x 8 points"], accuracy=1e-6), math.radians(150.0)
+    rows = [Row("quasi-static cycle on 8 x 8 points at 1e-6", seconds(lambda: gridded.cycle(theta)), "cycle")]
+    for tolerance in (1e-5, 1e-7):
+        moving = DynamicLoop(gridded, tolerance=tolerance)
+        taken = seconds(lambda moving=moving: moving.cycle(theta), 3)
+        rows.append(Row(f"dynamic cycle at tolerance {tolerance:g}", taken, "cycle at 20 mm/s"))
+    return rows
+
+
+def fingerprint_rows() -> list[Row]:
+    """The five numbers of the protocol, beside the full map of one material at 1e-3 rad."""
+    full, five = seconds(map_alone(MIT, 1e-3), 3), seconds(lambda: fingerprint(MIT), 3)
+    return [Row("cycle map of plywood at 1e-3 rad", full, "one material"), Row("fingerprint", five, "any material")]
+
+
 def portrait_rows(rounds: int = 5) -> list[Row]:
     """The command from outside, beside a process that draws as many panels, and the import of what it needs."""
     python = sys.executable
@@ -134,14 +150,11 @@ def portrait_rows(rounds: int = 5) -> list[Row]:
         "  --set footprint=grid:8": [*portrait[:-1], "--set", "footprint=grid:8", "--out"],
         "import of what a portrait needs": [python, "-c", "import cyclemap.cli.run_portrait"],
     }
-    times: dict[str, list[float]] = {name: [] for name in commands}
     with tempfile.TemporaryDirectory() as out:
-        for _ in range(rounds + 1):
-            for name, command in commands.items():
-                begun = time.perf_counter()
-                subprocess.run([*command, out], check=True, capture_output=True)
-                times[name].append(time.perf_counter() - begun)
-    return [Row(name, statistics.median(taken[1:]), "a process of its own") for name, taken in times.items()]
+        lines = [[*command, out] for command in commands.values()]
+        runs = [partial(subprocess.run, line, check=True, capture_output=True) for line in lines]
+        taken = in_turns(runs, rounds)
+    return [Row(*row, "a process of its own") for row in zip(commands, taken, strict=True)]
 
 
 def main() -> None:
@@ -152,6 +165,8 @@ def main() -> None:
     show("footprints, cycles at 1e-8", footprint_rows())
     show("pushes to 10 µm", push_rows())
     del os.environ[THREADS_VARIABLE]
+    show("with and without inertia", dynamic_rows())
+    show("full map and first order", fingerprint_rows())
     show("maps", map_rows())
     show("portraits", portrait_rows())
 

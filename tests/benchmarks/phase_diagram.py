@@ -3,8 +3,8 @@
 Run `python -m tests.benchmarks.phase_diagram --side 100 --kills 3` from the repository's root, with nothing else
 running; Linux, whose /proc tells memory and processor time. The diagram is that of the documentation: the place of the
 ring all over MIT's square on plywood. First few of its points are run by one worker and by two in turns; then the whole
-diagram, once left alone and once killed at random moments and gone on with. Both are to be the same to the byte. Its
-time is told in maps, too: one to 1e-5 rad, computed alone on one core.
+diagram, once left alone and once killed at random moments and gone on with. Both are to be the same to the byte, and
+no worker outlives its parent. Its time is told in maps, too: one to 1e-5 rad, computed alone on one core.
 """
 
 import os
@@ -70,26 +70,29 @@ class Run:
 
     def go(self, kill_at: int | None = None, delay: float = 0.0) -> None:
         """Run to the end, or kill it so long (s) after so many points are stored; workers end with it."""
-        begun = time.monotonic()
-        process = subprocess.Popen(self._command(), stdout=subprocess.PIPE, text=True)
-        first = len(self.moments)
-        for moment in _moments(process):
-            self.moments.append(moment)
-            if kill_at is not None and moment.stored >= kill_at:
+        begun, first = time.monotonic(), len(self.moments)
+        asked = [str(self.store), str(self.side), str(self.workers)]
+        command = [sys.executable, "-m", "tests.benchmarks.phase_diagram", "--child", *asked]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert process.stdout is not None
+        for line in process.stdout:
+            workers = _children(process.pid)
+            used = [use for pid in (process.pid, *workers) if (use := _use(pid)) is not None]
+            if used:
+                processors, memory = zip(*used, strict=True)
+                largest = max(memory[1:], default=0.0)
+                self.moments.append(Moment(time.monotonic(), int(line), sum(processors), memory[0], largest))
+            if kill_at is not None and int(line) >= kill_at:
                 time.sleep(delay)
-                workers = _children(process.pid)
                 process.send_signal(signal.SIGKILL)
                 process.wait()
-                _wait_for_end(workers)
+                while any(Path(f"/proc/{pid}").exists() for pid in workers):
+                    time.sleep(0.02)
                 break
         if process.wait() != (0 if kill_at is None else -signal.SIGKILL):
             sys.exit(f"the sweep into {self.store} ended with {process.returncode}")
         self.wall += time.monotonic() - begun
         self.processor += max((moment.processor for moment in self.moments[first:]), default=0.0)
-
-    def _command(self) -> list[str]:
-        asked = [str(self.store), str(self.side), str(self.workers)]
-        return [sys.executable, "-m", "tests.benchmarks.phase_diagram", "--child", *asked]
 
     @property
     def pace(self) -> float:
@@ -109,17 +112,6 @@ class Run:
         yield f"  peaks: parent {max(parents):.0f} MB, worker {max(workers):.0f} MB"
 
 
-def _moments(process: "subprocess.Popen[str]") -> Iterator[Moment]:
-    """A moment for every line that the child prints: the number of points stored."""
-    assert process.stdout is not None
-    for line in process.stdout:
-        used = [use for pid in (process.pid, *_children(process.pid)) if (use := _use(pid)) is not None]
-        if used:
-            memory = [use[1] for use in used]
-            processor = sum(use[0] for use in used)
-            yield Moment(time.monotonic(), int(line), processor, memory[0], max(memory[1:], default=0.0))
-
-
 def _children(pid: int) -> list[int]:
     with suppress(OSError):
         return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
@@ -132,18 +124,6 @@ def _use(pid: int) -> tuple[float, float] | None:
         fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / TICKS, int(fields[21]) * os.sysconf("SC_PAGE_SIZE") / 2**20
     return None
-
-
-def _wait_for_end(pids: list[int]) -> None:
-    while any(Path(f"/proc/{pid}").exists() for pid in pids):
-        time.sleep(0.02)
-
-
-def child(store: str, side: str, workers: str) -> None:
-    """Run the sweep, a line a chunk."""
-    run_sweep(
-        ring_plan(int(side)), store, workers=int(workers), progress=lambda status: print(status.stored, flush=True)
-    )
 
 
 def compare_workers(folder: Path, side: int, rounds: int, workers: int) -> None:
@@ -177,12 +157,6 @@ def whole(folder: Path, name: str, side: int, workers: int, kills: int, seed: in
     print(f"  processor ({1e3 * run.processor / points:.0f} ms a point); load of the machine {os.getloadavg()[0]:.1f}")
     print(*run.told(), sep="\n")
     return run
-
-
-def one_map() -> tuple[float, float]:
-    """Time and processor time of a map of the square on plywood alone, s, on one core."""
-    run = map_alone(CollectionLoop.mit("plywood"), 1e-5)
-    return seconds(run, 9), seconds(run, 9, time.process_time)
 
 
 def same_bytes(one: Path, other: Path) -> bool:
@@ -219,7 +193,8 @@ def measure(folder: Path, asked: argparse.Namespace) -> None:
     if asked.rounds:
         compare_workers(folder, asked.subset, asked.rounds, asked.workers)
     alone = whole(folder, "undisturbed", asked.side, asked.workers, 0, asked.seed)
-    single, work = one_map()
+    run = map_alone(CollectionLoop.mit("plywood"), 1e-5)
+    single, work = seconds(run, 9), seconds(run, 9, time.process_time)
     print(f"one map alone: {1e3 * single:.0f} ms; the diagram took as long as {alone.wall / single:,.0f} of them")
     print(f"one map's work: {1e3 * work:.0f} ms of processor, the diagram {alone.processor / work:,.0f} times that")
     if asked.kills:
@@ -231,6 +206,9 @@ def measure(folder: Path, asked: argparse.Namespace) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--child"]:
-        child(*sys.argv[2:])
+        store, side, workers = sys.argv[2:]
+        # The sweep itself, a line a chunk.
+        plan, many = ring_plan(int(side)), int(workers)
+        run_sweep(plan, store, workers=many, progress=lambda status: print(status.stored, flush=True))
     else:
         main()

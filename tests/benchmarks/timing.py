@@ -1,11 +1,11 @@
-"""What the benchmarks share: the median time of repeated runs, and a table of ratios."""
+"""What the benchmarks share: the median times of repeated runs, and a table of ratios."""
 
-import statistics
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import count
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -23,13 +23,24 @@ class Row:
 
 def seconds(run: Callable[[], object], repeats: int = 5, clock: Callable[[], float] = time.perf_counter) -> float:
     """Median time of a run, after one that is not counted."""
-    run()
-    times = []
-    for _ in range(repeats):
-        start = clock()
-        run()
-        times.append(clock() - start)
-    return statistics.median(times)
+    return in_turns([run], repeats, clock)[0]
+
+
+def in_turns(
+    runs: list[Callable[[], object]], rounds: int, clock: Callable[[], float] = time.perf_counter
+) -> list[float]:
+    """Median time of each run: all run one after another in every round, and once before, which does not count.
+
+    So a machine that slows down slows all alike.
+    """
+    times = np.empty((rounds + 1, len(runs)))
+    for row in times:
+        for i, run in enumerate(runs):
+            start = clock()
+            run()
+            row[i] = clock() - start
+    found: list[float] = np.median(times[1:], axis=0).tolist()
+    return found
 
 
 def map_alone(loop: CollectionLoop, tolerance: float) -> Callable[[], object]:

@@ -77,26 +77,18 @@ def blocks(text: str) -> Iterator[Block]:
         if not fence or fence["ticks"][0] == ":":
             number += 1
             continue
-        end = next(i for i in range(number + 1, len(lines) + 1) if i == len(lines) or is_end(lines[i], fence))
+        ends = (i for i, line in enumerate(lines) if i > number and line.rstrip() == fence["indent"] + fence["ticks"])
+        end = next(ends, len(lines))
         if not fence["kind"].startswith("{"):
-            why = REASON.match(lines[number - 1]) if number else None
-            yield block_of(fence, lines[number + 1 : end], number + 1, why and why["why"])
+            why, caption = REASON.match(lines[number - 1]) if number else None, None
+            body, kind = lines[number + 1 : end], fence["kind"] or fence["rest"].strip()
+            while body and re.match(r"^:\w+:", body[0].strip()):
+                option = body.pop(0).strip()
+                if option.startswith(":caption:"):
+                    caption = option.removeprefix(":caption:").strip().strip("`")
+            text = "\n".join(row[len(fence["indent"]) :] for row in body).strip("\n") + "\n"
+            yield Block(kind, text, number + 1, caption, why and why["why"])
         number = end + 1
-
-
-def is_end(line: str, fence: re.Match[str]) -> bool:
-    return line.strip() == fence["ticks"] and line.startswith(fence["indent"])
-
-
-def block_of(fence: re.Match[str], body: list[str], line: int, why: str | None) -> Block:
-    caption = None
-    while body and re.match(r"^:\w+:", body[0].strip()):
-        option = body.pop(0).strip()
-        if option.startswith(":caption:"):
-            caption = option.removeprefix(":caption:").strip().strip("`")
-    indent = len(fence["indent"])
-    kind = fence["kind"] or fence["rest"].strip()
-    return Block(kind, "\n".join(row[indent:] for row in body).strip("\n") + "\n", line, caption, why)
 
 
 def run_page(page: Path) -> PageRun:

@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -43,28 +42,10 @@ class PageReader(HTMLParser):
             self.loads.append(given[LOADS[tag]])
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def site(tmp_path_factory) -> Path:
-    """The site, built once for all workers of a test run."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER")
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if worker else base) / "site"
-    outcome = folder / "outcome.txt"
-    try:
-        folder.mkdir()
-    except FileExistsError:
-        wait_for(outcome)
-    else:
-        words = build(folder)
-        (folder / "outcome.new").write_text(words, encoding="utf-8")
-        (folder / "outcome.new").replace(outcome)
-    words = outcome.read_text(encoding="utf-8")
-    assert words == "", f"the site does not build:\n{words}"
-    return folder / "html"
-
-
-def build(folder: Path) -> str:
-    """Build as `python3 run.py docs` does, but elsewhere; what Sphinx has to say, nothing where all is well."""
+    """The site, built as `python3 run.py docs` does, but elsewhere; Sphinx has nothing to say."""
+    folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-E", "-d", str(folder / "doctrees")]
     # Nothing listens at this address: a build that asks the network for something fails.
     blocked = dict.fromkeys(("https_proxy", "http_proxy", "all_proxy"), "127.0.0.1:9")
@@ -76,19 +57,11 @@ def build(folder: Path) -> str:
         check=False,
         env={**os.environ, **blocked, "OPENBLAS_NUM_THREADS": "1"},
     )
-    return done.stderr + (f"exit code {done.returncode}" if done.returncode else "")
+    assert (done.returncode, done.stderr) == (0, ""), f"the site does not build:\n{done.stderr}"
+    return folder / "html"
 
 
-def wait_for(outcome: Path) -> None:
-    """Wait for the worker that builds."""
-    for _ in range(6000):
-        if outcome.exists():
-            return
-        time.sleep(0.1)
-    raise AssertionError("the worker that builds the site has not finished in ten minutes")
-
-
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def pages(site) -> dict[Path, PageReader]:
     """Every page, read."""
     return {path: PageReader(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}

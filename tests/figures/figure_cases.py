@@ -3,16 +3,13 @@
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 from drawn_words import assert_words_apart, words_of_figure
 from matplotlib.figure import Figure
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, simulate_collection
-from cyclemap.figures.catalogue import PaperFigure
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.pushed_paths import PushedPaths, paths_on_four_surfaces
 from cyclemap.figures.simulated_collections import Sampling
@@ -48,11 +45,6 @@ def recorded_folder(tmp_path_factory) -> MeasuredFolder:
     return _made(tmp_path_factory.getbasetemp() / "recorded collections")
 
 
-def labels(figure) -> list[tuple[str, str]]:
-    """The labels of both axes of every panel."""
-    return [(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes]
-
-
 @cache
 def small_paths() -> list[PushedPaths]:
     return paths_on_four_surfaces(MeasuredFolder(None), CYCLES, DRAWN)
@@ -66,17 +58,6 @@ def recorded_plywood(factory: pytest.TempPathFactory) -> MeasuredFolder:
     loop, folder = CollectionLoop.mit("plywood", accuracy=1e-6), factory.getbasetemp() / "recorded_pushes"
     simulate_collection(loop, folder, RECORDED, noise=RecordingNoise(turn=0.0))
     return MeasuredFolder(folder)
-
-
-def assert_starts_where_the_robot_did(exhibit: PaperFigure, found: Any) -> None:
-    """The pushes drawn of plywood begin at measured orientations, from the first to the last, and it is said."""
-    plywood = found.surfaces[0]
-    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
-    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
-    told, figure = exhibit.caption(found), exhibit.draw(found)
-    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
-    assert "plywood, from measured θ0" in words_of(figure).replace("\n", " ")
-    assert_drawn(figure, 5)
 
 
 def assert_drawn(figure: Figure, panels: int) -> None:

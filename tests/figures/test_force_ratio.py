@@ -90,21 +90,6 @@ def test_the_noisy_push_is_not_chosen_and_both_panels_are_drawn(recorded) -> Non
     assert_drawn(figure, 2)
 
 
-@pytest.mark.slow
-def test_the_legends_lie_below_the_lower_bound_of_the_ratio(result, recorded) -> None:
-    legends = 0
-    for found in (result, compute(recorded)):
-        figure = draw(found)
-        figure.canvas.draw()
-        for axes in figure.axes:
-            if axes.get_legend() is None:
-                continue
-            box = axes.get_legend().get_window_extent(figure.canvas.get_renderer())
-            assert axes.transData.inverted().transform((box.x0, box.y1))[1] < -0.151
-            legends += 1
-    assert legends == 3
-
-
 def test_a_damaged_file_is_passed_over_and_told(recorded, tmp_path) -> None:
     shutil.copytree(recorded.path / FOLDER, tmp_path / FOLDER)
     facts = PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, 0.9, 0.0)

@@ -24,7 +24,6 @@ from cyclemap.figures.limit_ellipse_and_patch import (
 )
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.mechanics import EllipseFriction, LimitSurface
-from cyclemap.views.style import INK
 
 # Every so many of the 144 scans of a set.
 EVERY = 6
@@ -63,16 +62,6 @@ def test_the_limit_curve_is_the_ellipse_of_equation_1(result) -> None:
         assert np.allclose(((m - law.m0) / law.mu_a) ** 2 + ((n - law.n0) / law.mu_b) ** 2, 1.0, atol=1e-12)
 
 
-def test_the_drawn_tangent_is_square_to_the_sliding_velocity_and_touches_the_ellipse(result) -> None:
-    axes = draw(result).axes[0]
-    (tangent,) = (line for line in axes.lines if line.get_linestyle() == ":")
-    ends = np.column_stack(tangent.get_data())
-    velocity = np.array([math.cos(result.sliding), math.sin(result.sliding)])
-    assert (ends[1] - ends[0]) @ velocity == pytest.approx(0.0, abs=1e-12)
-    traction = result.sketched.traction(velocity)
-    assert (traction - ends[0]) @ velocity == pytest.approx(0.0, abs=1e-12)
-
-
 def test_the_lean_of_an_isotropic_law_is_zero_and_the_captions_is_the_sketchs(result) -> None:
     assert lean_of(EllipseFriction.isotropic(0.3), 1.0) == pytest.approx(0.0, abs=1e-12)
     lean = math.degrees(lean_of(result.sketched, result.sliding))
@@ -97,13 +86,6 @@ def test_isotropic_points_are_pulled_straight_back() -> None:
     patch = patch_forces(CollectionLoop.mit("isotropic"))
     along = np.sum(patch.force * patch.velocity, axis=1)
     assert np.allclose(along, -np.hypot(*patch.force.T) * np.hypot(*patch.velocity.T), rtol=1e-12)
-
-
-def test_the_object_turns_about_the_star(result) -> None:
-    (star,) = (line for line in draw(result).axes[2].lines if line.get_marker() == "*")
-    x, y = 1e-3 * np.array(star.get_data())[:, 0]
-    vx, vy, spin = result.patch.twist
-    assert np.allclose((vx - spin * y, vy + spin * x), 0.0, atol=1e-12)
 
 
 @pytest.mark.slow
@@ -135,11 +117,3 @@ def test_scans_of_another_surface_are_not_taken_for_plywoods(scanned) -> None:
     weight = CollectionLoop.mit("plywood").model.weight
     assert measured_scans(scanned, "abs", weight) is None
     assert measured_scans(scanned, "plywood", weight) is not None
-
-
-def test_arrows_of_the_forces_are_as_many_as_points_and_three_more(result) -> None:
-    """The traction and the velocity on the left; on the right a force a point, their resultant, the rod's."""
-    left, _, right = draw(result).axes
-    assert sum(hasattr(text, "arrow_patch") for text in left.texts) == 2
-    assert sum(hasattr(text, "arrow_patch") for text in right.texts) == GRID**2 + 2
-    assert INK in {text.get_color() for text in left.texts}

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures import locking_in
 from cyclemap.figures.catalogue import Frame
-from cyclemap.figures.locking_in import ANIMATION, animated_gif, compute, figure_pixels
+from cyclemap.figures.locking_in import ANIMATION, animated_gif, compute
 from cyclemap.figures.measured_folder import MeasuredFolder
-from cyclemap.views.style import new_figure
 
 
 @pytest.fixture(scope="module")
@@ -46,18 +44,6 @@ def test_the_object_keeps_its_size_and_every_drag_ends_with_the_ring_on_the_targ
     for moment in drags:
         assert np.allclose(moment.ring, moment.rod, atol=1e-5)
     assert np.allclose(drags[-1].ring, 0.0, atol=1e-9)
-
-
-def test_the_rod_pushes_straight_and_as_far_as_the_mechanics_says(result) -> None:
-    last_of_push = [moment for moment in result.moments if moment.pushing and moment.cycle == 0][-1]
-    way = last_of_push.rod_path[-1] - last_of_push.rod_path[0]
-    travel = CollectionLoop.mit(material="plywood").cycle(result.theta[0]).push.travel
-    assert 0.14 < travel <= 0.15
-    assert np.hypot(*way) == pytest.approx(travel, abs=1e-6)
-    across = (last_of_push.rod_path - last_of_push.rod_path[0]) @ np.array([-way[1], way[0]])
-    assert np.abs(across).max() < 1e-12
-    # The push goes along -y of the object's frame at θ0.
-    assert math.atan2(way[1], way[0]) == pytest.approx(result.theta[0] - math.pi / 2, abs=1e-9)
 
 
 @pytest.mark.slow
@@ -114,12 +100,6 @@ def test_durations_are_hundredths_and_two_of_them_at_least() -> None:
         picture.seek(number)
         durations.append(picture.info["duration"])
     assert durations == [20, 30]
-
-
-def test_a_figure_becomes_pixels_of_its_size() -> None:
-    pixels = figure_pixels(new_figure(1.2, 0.8), 50)
-    assert pixels.shape == (40, 60, 3)
-    assert pixels.min() == 255
 
 
 def test_no_frames_and_frames_of_two_sizes_are_refused() -> None:

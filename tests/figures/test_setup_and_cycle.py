@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from figure_cases import assert_drawn
-from matplotlib.patches import Circle, Polygon
 
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.setup_and_cycle import FIGURE, draw
@@ -41,25 +40,6 @@ def test_both_pushes_are_the_same_in_the_objects_frame_before_the_push(result) -
         places.append((c * x + s * y, -s * x + c * y))
     assert np.allclose(places, [(-0.018, 0.04975)] * 2, atol=1e-9)
     assert np.allclose(result.contact, (-0.018, 0.045), atol=1e-15)
-
-
-def test_the_set_up_is_drawn_with_the_lengths_of_the_protocol(result) -> None:
-    setup = draw(result).axes[0]
-    (square,) = (patch for patch in setup.patches if isinstance(patch, Polygon))
-    assert np.ptp(square.get_xy(), axis=0).tolist() == pytest.approx([90.0, 90.0])
-    circles = {round(patch.radius, 2): patch.center for patch in setup.patches if isinstance(patch, Circle)}
-    assert circles[4.75] == pytest.approx((-18.0, 49.75))
-    assert circles[7.0] == pytest.approx((-10.607, 10.607), abs=1e-3)
-    assert setup.get_aspect() == 1.0
-    (push,) = (text for text in setup.texts if hasattr(text, "xyann") and text.xy[0] == pytest.approx(-18.0))
-    assert math.dist(push.xy, push.xyann) == pytest.approx(150.0)
-
-
-def test_paths_are_solid_in_the_push_and_dashed_in_the_drag(result) -> None:
-    paths = [line for line in draw(result).axes[1].lines if len(line.get_xdata()) > 2]
-    assert [line.get_linestyle() for line in paths] == ["-", "--", "-", "--"]
-    assert [line.get_label() for line in paths] == ["push k", "drag back k", "push k+1", "drag back k+1"]
-    assert len({line.get_color() for line in paths}) == 2
 
 
 def test_the_caption_tells_the_numbers_of_design_and_of_the_cycles(result) -> None:

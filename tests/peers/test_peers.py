@@ -9,14 +9,12 @@ import pytest
 
 from cyclemap.mechanics import Pose, SidePush
 from tests.benchmarks.peers import simulators as roster
-from tests.benchmarks.peers.__main__ import in_turns
-from tests.benchmarks.peers.numpy_push import NumpyPush, NumpySettings
 from tests.benchmarks.peers.package_push import DYNAMIC, ENGINE
-from tests.benchmarks.peers.push_problem import ANGLES, CORNERS, Distance, distance, four_corners, plain_grid
-from tests.benchmarks.peers.scipy_push import SIMULATOR as SCIPY
+from tests.benchmarks.peers.plain_push import SCIPY, NumpyPush, NumpySettings
+from tests.benchmarks.peers.push_problem import ANGLES, CORNERS, Distance, Simulator, distance, four_corners, plain_grid
 from tests.benchmarks.peers.settings import run_trial, search
-from tests.benchmarks.peers.simulator import Simulator
 from tests.benchmarks.peers.support_points import Balance, Contact, SupportPoints
+from tests.benchmarks.timing import in_turns
 
 PROBLEMS = {problem.name: problem for problem in (four_corners(), plain_grid())}
 FEW = len(ANGLES)
@@ -171,5 +169,4 @@ def test_what_is_missing_from_converged_costs_more_than_time():
 def test_what_is_timed_runs_in_turns():
     order: list[str] = []
     times = in_turns([lambda: order.append("a"), lambda: order.append("b")], 3)
-    assert order == ["a", "b"] * 4
-    assert len(times) == 2
+    assert order == ["a", "b"] * 4 and len(times) == 2

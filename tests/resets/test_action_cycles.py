@@ -1,7 +1,6 @@
 """Sampled cycles are the loop's own, and what they cost is what their courses show."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,14 +25,6 @@ def test_sampled_turns_are_those_of_single_cycles_on_every_material() -> None:
             assert found.drag_length[m, a] == pytest.approx(np.mean([run.drag_length for run in runs]), abs=1e-5)
 
 
-def test_turning_the_surface_turns_the_maps() -> None:
-    """f -> alpha + f(theta - alpha): a shift of the samples."""
-    material = cm.load_material("plywood")
-    turned = replace(material, friction=replace(material.friction, phi=material.friction.phi + math.pi / 6.0))
-    found = sample_turns(LOOP, ACTIONS[:1], [material, turned], 12)
-    assert found.turn[1] == pytest.approx(np.roll(found.turn[0], 1, axis=-1), abs=2e-4)
-
-
 @pytest.mark.slow
 def test_the_spline_between_samples_comes_nearer_with_more_of_them() -> None:
     """By more than four times, second order, from 36 to 72 samples of a map with kinks; measured at 720 cycles."""
@@ -48,12 +39,6 @@ def test_cycle_maps_are_the_sampled_turns() -> None:
     strategy = ResetStrategy(ACTIONS)
     turns = map_turns(strategy_maps(LOOP, strategy), 36)
     assert turns == pytest.approx(sample_turns(LOOP, ACTIONS, [LOOP.material], 36).turn[0], abs=3e-4)
-
-
-def test_isotropic_friction_turns_every_orientation_alike() -> None:
-    found = sample_turns(LOOP, ACTIONS[::2], [cm.load_material("isotropic")], 12)
-    assert np.ptp(found.turn, axis=-1) == pytest.approx(np.zeros((1, 2)), abs=2e-4)
-    assert found.steepest.max() < 1e-3
 
 
 def test_contact_is_as_long_as_the_rod_pushes() -> None:

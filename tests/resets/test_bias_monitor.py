@@ -67,25 +67,6 @@ def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> 
     assert alarms <= 4 + 6
 
 
-@pytest.mark.slow
-def test_uniform_slow_walks_do_not_alarm_at_the_default_rate() -> None:
-    """Steady turns of 3 +- 1.1 and of 120 +- 5 degrees a push, 30 collections each: they come round to everything."""
-    alarms = [
-        watch(UNBIASED[kind](np.random.default_rng(seed))[:300].tolist())[-1].alarm
-        for kind in ("slow walk", "thirds of a turn")
-        for seed in range(30)
-    ]
-    assert len(alarms) == 60
-    assert sum(alarm is not None for alarm in alarms) <= 2
-
-
-def test_a_walk_slower_than_the_rule_tells_does_alarm() -> None:
-    """Half a degree a push repeats the same push for hundreds of pushes."""
-    path = np.cumsum(np.radians(0.5 + 0.1 * np.random.default_rng(0).standard_normal(100)))
-    assert math.radians(0.5) < RestRule().slowest_climb
-    assert watch(path.tolist())[-1].alarm.kind == "rest"
-
-
 def test_the_monitor_joins_both_kinds_of_evidence_and_halves_the_rate_between_them() -> None:
     random = np.random.default_rng(8)
     path = random.vonmises(1.0, 3.0, 200).tolist()
@@ -136,18 +117,6 @@ def test_a_rest_that_comes_late_is_told_as_one_that_comes_at_once_but_for_a_few_
     # The beginning is known to within a window.
     assert 493 <= alarm.began <= 503
     assert alarm.push <= 520
-
-
-def test_whole_turns_make_no_difference() -> None:
-    random = np.random.default_rng(6)
-    path = np.cumsum(np.radians(0.8 * random.standard_normal(120)))
-    plain, turned = watch(path.tolist()), watch((path + 2 * np.pi * random.integers(-2, 3, 120)).tolist())
-    assert len(plain) == 120
-    assert plain[-1].alarm is not None
-    assert [report.alarm is None for report in plain] == [report.alarm is None for report in turned]
-    for one, other in zip(plain, turned, strict=True):
-        assert one.rest_evidence == pytest.approx(other.rest_evidence, abs=1e-9)
-        assert one.visit_evidence == pytest.approx(other.visit_evidence, abs=1e-6)
 
 
 def test_after_a_change_of_the_reset_the_evidence_starts_anew_and_the_coverage_stays() -> None:

@@ -32,14 +32,8 @@ def test_every_double_comes_back_from_the_text_of_its_decimal(value, unit) -> No
 
 def test_short_numbers_are_read_as_people_write_them() -> None:
     """3000 whole and half degrees and tenths of a millimetre: the decimals of the written literals."""
-    count = 0
-    for half in range(-1000, 1000):
-        assert DEGREES.read(Decimal(half) / 2) == math.radians(half / 2)
-        count += 1
-    for tenth in range(1000):
-        assert MILLIMETRES.read(Decimal(tenth) / 10) == float(f"{tenth}e-4")
-        count += 1
-    assert count == 3000
+    assert all(DEGREES.read(Decimal(half) / 2) == math.radians(half / 2) for half in range(-1000, 1000))
+    assert all(MILLIMETRES.read(Decimal(tenth) / 10) == float(f"{tenth}e-4") for tenth in range(1000))
 
 
 COIN = ResetStrategy.pushes(SidePush(), (1, 2))
@@ -111,10 +105,7 @@ def test_a_change_of_any_character_is_noticed_unless_the_checksum_is_taken_out(t
         ('kind = "drawn-pushes"', "kind = 'drawn-pushes' is how earlier versions said it: give order"),
         ("", "actions is missing"),
         ("actions = []", "actions must be one or more tables"),
-        (
-            'order = "sobol"\nactions = [{ side = 1, fraction = 0.5, push_mm = 9 }]',
-            "order = 'sobol': it must be one of",
-        ),
+        ('order = "sobol"\nactions = [{ gripper_turn_deg = 1 }]', "order = 'sobol': it must be one of"),
         ("order = 'shuffled'\nblock = 1000000000\nactions = [{ gripper_turn_deg = 1 }]", "is larger than 10000"),
         ("block = 2\nactions = [{ gripper_turn_deg = 1 }]", "belongs to the order 'shuffled'"),
         ("actions = [{}]", "actions]] 1: it is empty"),
@@ -171,16 +162,12 @@ def test_a_loop_comes_back_and_runs_the_same_cycle(loop, tmp_path) -> None:
 
 def test_what_a_material_brings_along_is_left_to_the_material() -> None:
     """A protocol made for one surface must not carry that surface's own rod friction and ring to another."""
-    text = protocol_text(LOOPS["what a material brings along"], None)
-    assert LOOPS["what a material brings along"] != replace(
-        LOOP, material=LOOPS["what a material brings along"].material
+    brought, other = (
+        {key for table in tomllib.loads(protocol_text(LOOPS[name], None)).values() for key in table}
+        for name in ("what a material brings along", "another push and rod")
     )
-    assert not {"mu_a", "pusher_mu", "hitch_x_mm", "rim_share", "pin_friction_mm"} & set(_keys(text))
-    assert "pusher_mu" in _keys(protocol_text(LOOPS["another push and rod"], None))
-
-
-def _keys(text: str) -> list[str]:
-    return [key for table in tomllib.loads(text).values() for key in table]
+    assert not {"mu_a", "pusher_mu", "hitch_x_mm", "rim_share", "pin_friction_mm"} & brought
+    assert "pusher_mu" in other
 
 
 def test_support_points_of_ones_own_are_refused() -> None:
@@ -196,9 +183,8 @@ def test_noise_and_prediction_stand_in_the_file_and_do_not_disturb_it(tmp_path) 
     settings, strategy = read_protocol(path)
     assert settings["noise_deg"] == pytest.approx(math.degrees(0.02), abs=1e-14)
     assert strategy == COIN
-    assert tomllib.loads(path.read_text())["predicted"] == {
-        key: value for key, value in scores.items() if value is not None
-    }
+    del scores["none"]
+    assert tomllib.loads(path.read_text())["predicted"] == scores
     assert path.read_text().splitlines()[1].startswith("# Protocol of a data collection")
 
 
@@ -227,17 +213,9 @@ def test_what_may_be_left_out_takes_its_default(protocol_file) -> None:
     assert found == ({"side": 2}, ResetStrategy((CycleAction(push=SidePush(2, 0.6, 0.0, 0.08)),)))
 
 
-def test_the_file_is_replaced_whole_or_left_as_it_was(tmp_path) -> None:
-    path = tmp_path / "protocol.toml"
-    write_protocol(path, LOOP, COIN)
-    before = path.read_bytes()
-    with pytest.raises(InvalidInput):
-        write_protocol(path, LOOP, COIN, predicted={"tv": {}})
-    assert path.read_bytes() == before
-
-
 @pytest.mark.parametrize("predicted", [{"a": {"b": 1}}, {1: 2}, [1]])
-def test_a_prediction_that_could_not_be_read_back_is_not_written(predicted, tmp_path) -> None:
+def test_a_prediction_that_could_not_be_read_back_leaves_the_file_as_it_was(predicted, protocol_file) -> None:
+    path = protocol_file("before")
     with pytest.raises(InvalidInput, match="predicted"):
-        write_protocol(tmp_path / "protocol.toml", LOOP, None, predicted=predicted)
-    assert not list(tmp_path.iterdir())
+        write_protocol(path, LOOP, None, predicted=predicted)
+    assert path.read_text() == "before" and list(path.parent.iterdir()) == [path]

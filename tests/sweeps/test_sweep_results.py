@@ -11,22 +11,30 @@ from cyclemap.errors import InvalidInput
 from cyclemap.sweeps import SweepPlan, load_sweep, run_sweep, to_dataset, write_csv, write_netcdf
 
 
+def swept(folder, plan):
+    run_sweep(plan, folder / "sweep.sqlite", workers=1)
+    return load_sweep(folder / "sweep.sqlite")
+
+
 @pytest.fixture(scope="module")
 def sweep(tmp_path_factory):
     """Three materials by five mu_a by four hitch_x_mm."""
     grid = fake_plan().points.axes
     over = {"material": ("abs", "pu", "delrin"), **{axis.key: axis.values for axis in grid}}
-    path = tmp_path_factory.mktemp("sweep") / "sweep.sqlite"
-    run_sweep(SweepPlan.grid(None, over, numbers=FakeNumbers(refused_above=0.28)), path, workers=1)
-    return load_sweep(path)
+    numbers = FakeNumbers(refused_above=0.28)
+    return swept(tmp_path_factory.mktemp("sweep"), SweepPlan.grid(None, over, numbers=numbers))
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    return swept(tmp_path_factory.mktemp("small"), fake_plan(refused_above=0.28))
 
 
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
-    path = tmp_path_factory.mktemp("sample") / "sweep.sqlite"
     ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    run_sweep(SweepPlan.sample("plywood", ranges, 64, numbers=FakeNumbers()), path, workers=1)
-    return load_sweep(path)
+    plan = SweepPlan.sample("plywood", ranges, 64, numbers=FakeNumbers())
+    return swept(tmp_path_factory.mktemp("sample"), plan)
 
 
 def test_the_grid_has_each_number_at_its_place(sweep) -> None:
@@ -46,16 +54,12 @@ def test_one_value_takes_its_axis_away(sweep) -> None:
 
 
 def test_a_range_and_a_list_keep_their_axis(sweep) -> None:
-    found = sweep.select(mu_a=(0.22, 0.26), material=["delrin", "abs"])
-    assert found.shape == (2, 2, 4) and found.axes[0].values == ("abs", "delrin")
-    assert found.axes[1].values == pytest.approx((0.225, 0.25))
-    assert np.array_equal(found.on_grid("rotation"), sweep.on_grid("rotation")[[0, 2], 1:3])
-
-
-def test_both_ends_of_a_range_belong_to_it(sweep) -> None:
+    """Both ends belong to the range."""
     values = sweep.axes[1].values
-    found = sweep.select(mu_a=(values[1], values[3]))
-    assert found.axes[1].values == values[1:4] and len(found) == 3 * 3 * 4
+    found = sweep.select(mu_a=values[1:3], material=["delrin", "abs"])
+    assert found.shape == (2, 2, 4) and found.axes[0].values == ("abs", "delrin")
+    assert found.axes[1].values == values[1:3]
+    assert np.array_equal(found.on_grid("rotation"), sweep.on_grid("rotation")[[0, 2], 1:3])
 
 
 def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
@@ -106,16 +110,6 @@ def test_a_bad_question_is_refused_by_name(sweep, ask, message) -> None:
         ask(sweep)
 
 
-def swept(folder, plan):
-    run_sweep(plan, folder / "sweep.sqlite", workers=1)
-    return load_sweep(folder / "sweep.sqlite")
-
-
-@pytest.fixture(scope="module")
-def small(tmp_path_factory):
-    return swept(tmp_path_factory.mktemp("sweep"), fake_plan(refused_above=0.28))
-
-
 def read(path):
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
@@ -161,26 +155,19 @@ def test_a_grid_becomes_a_dataset_over_its_keys_with_units(small) -> None:
     assert found["refusal"].sel(mu_a=0.3).values.tolist() == ["mu_a is 0.3"] * 4
 
 
-def test_netcdf_reads_back_the_same_dataset(tmp_path, small) -> None:
-    write_netcdf(small, tmp_path / "sweep.nc")
+@pytest.mark.parametrize("which", ["small", "sample", "sweep"])
+def test_netcdf_reads_back_the_same_dataset(tmp_path, request, which) -> None:
+    found = request.getfixturevalue(which)
+    write_netcdf(found, tmp_path / "sweep.nc")
     with xarray.open_dataset(tmp_path / "sweep.nc", engine="h5netcdf") as back:
-        assert back.load().identical(to_dataset(small))
+        assert back.load().identical(to_dataset(found))
     assert [path.name for path in tmp_path.iterdir()] == ["sweep.nc"]
 
 
-def test_a_sample_becomes_a_dataset_over_its_points(tmp_path) -> None:
-    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    found = swept(tmp_path, SweepPlan.sample("plywood", ranges, 16, numbers=FakeNumbers()))
-    write_netcdf(found, tmp_path / "sample.nc")
-    with xarray.open_dataset(tmp_path / "sample.nc", engine="h5netcdf") as back:
-        assert back["point"].values.tolist() == list(range(16))
-        assert back["mu_a"].values.tolist() == list(found.swept["mu_a"])
-        assert back["rotation"].values.tolist() == found.columns["rotation"].tolist()
-
-
-def test_words_are_coordinates(tmp_path) -> None:
-    over = {"material": ("abs", "plywood"), "mu_a": (0.2, 0.3)}
-    found = swept(tmp_path, SweepPlan.grid(None, over, numbers=FakeNumbers()))
-    write_netcdf(found, tmp_path / "words.nc")
-    with xarray.open_dataset(tmp_path / "words.nc", engine="h5netcdf") as back:
-        assert back["rotation"].sel(material="plywood", mu_a=0.3).item() == found.on_grid("rotation")[1, 1]
+def test_a_sample_becomes_a_dataset_over_its_points_and_words_are_coordinates(sample, sweep) -> None:
+    found, words = to_dataset(sample), to_dataset(sweep)
+    assert found["point"].values.tolist() == list(range(64))
+    assert found["mu_a"].values.tolist() == list(sample.swept["mu_a"])
+    assert found["rotation"].values.tolist() == sample.columns["rotation"].tolist()
+    place = {"material": "pu", "mu_a": 0.225, "hitch_x_mm": 0.0}
+    assert words["rotation"].sel(place).item() == sweep.on_grid("rotation")[1, 1, 3]

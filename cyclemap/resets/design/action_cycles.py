@@ -103,14 +103,14 @@ def strategy_maps(
         if one not in found:
             found[one] = one.circle_map(tolerance)
         report(number / len(loops))
-    return tuple(_lifted(found[one], action.turn) for one, action in zip(loops, strategy.actions, strict=True))
-
-
-def _lifted(one: CircleMap, up: float) -> CircleMap:
-    """The map raised by the gripper's turn `up` (rad)."""
-    if up == 0.0 or one.pieces is None:
-        return one
-    return CircleMap.from_pieces(one.pieces.shifted(0.0, up), one.breaks, one.samples, one.max_error)
+    maps = []
+    for one, action in zip(loops, strategy.actions, strict=True):
+        made = found[one]
+        if action.turn != 0.0 and made.pieces is not None:
+            raised = made.pieces.shifted(0.0, action.turn)
+            made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
+        maps.append(made)
+    return tuple(maps)
 
 
 def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:

@@ -157,29 +157,25 @@ def design_reset(
     positive_number("sigma", sigma)
     pool = _pool(nominal, wanted, about, sigma, report)
     for firm in FIRM:
-        found = picked(pool, wanted, firm)
-        if found.misses or _keeps(nominal, found.roles[0][1], wanted, about, sigma):
+        picks, misses = picked(pool, wanted, firm)
+        if misses or _keeps(nominal, picks[0][1], wanted, about, sigma):
             break
-    binding = tuple(least_of(pool, name) for name in found.misses)
+    binding = tuple(least_of(pool, name) for name in misses)
     roles: dict[ResetStrategy, list[str]] = {}
-    for role, strategy in (*found.roles, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
+    for role, strategy in (*picks, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
         roles.setdefault(strategy, []).append(role)
     if len(roles) > MOST_ROWS:
         # One's own strategy is told in place of what a gripper could do.
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
     rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     return ResetDesign(
-        loop, sigma, wanted, about, rows, not found.misses and not rows[0].misses, binding,
+        loop, sigma, wanted, about, rows, not misses and not rows[0].misses, binding,
         independent_distance(wanted.pushes), **course,
     )  # fmt: skip
 
 
 def _pool(
-    loop: CollectionLoop,
-    demands: ResetDemands,
-    about: MaterialRange,
-    sigma: float,
-    report: Callable[[float], None],
+    loop: CollectionLoop, demands: ResetDemands, about: MaterialRange, sigma: float, report: Callable[[float], None]
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
     parts = [make(loop, about, sigma, demands.within) for make in (random_legs, gripper_turned)]

@@ -115,10 +115,6 @@ class Pool:
         """Return a candidate as a strategy."""
         return self.parts[int(self.part[index])].strategy(int(self.number[index]))
 
-    def misses(self, index: int) -> tuple[str, ...]:
-        """Return the demands that a candidate misses."""
-        return tuple(name for name, limit in self.limits.items() if self.excess(name)[index] > 0.0)
-
     def excess(self, name: str) -> Array:
         """By how many e-foldings a value lies on the wrong side of its limit; negative on the right one."""
         ratio = np.log(np.maximum(self.values[name], 1e-9) / self.limits[name])
@@ -175,16 +171,10 @@ def _untidiness(loop: CollectionLoop, found: Candidates) -> Array:
     return np.asarray(100.0 * ~found.equal + sum(strange, start=np.zeros(len(found.shares))))
 
 
-@dataclass(frozen=True)
-class Picked:
-    """Rows to tell, by role, the chosen one first; and the demands it misses by the search's numbers."""
-
-    roles: tuple[tuple[str, ResetStrategy], ...]
-    misses: tuple[str, ...]
-
-
-def picked(pool: Pool, demands: ResetDemands, firm: float = FIRM[0]) -> Picked:
-    """The rows to tell, the chosen one first, and the demands that it misses by the search's numbers."""
+def picked(
+    pool: Pool, demands: ResetDemands, firm: float = FIRM[0]
+) -> tuple[list[tuple[str, ResetStrategy]], tuple[str, ...]]:
+    """The rows to tell, by role, the chosen one first, and the demands that it misses by the search's numbers."""
     family, able = _able(pool, demands)
     excess, after = _excess(pool), pool.values[AFTER]
     meets = able & (excess == 0.0)
@@ -213,8 +203,8 @@ def picked(pool: Pool, demands: ResetDemands, firm: float = FIRM[0]) -> Picked:
             within = ones[excess[ones] == 0.0]
             ones = within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
             roles.append((role, min(ones.tolist(), key=lambda i: after[i])))
-    told = tuple((role, pool.strategy(index)) for role, index in roles)
-    return Picked(told, pool.misses(best))
+    misses = tuple(name for name in pool.limits if pool.excess(name)[best] > 0.0)
+    return [(role, pool.strategy(index)) for role, index in roles], misses
 
 
 def any_meets(pool: Pool, demands: ResetDemands) -> bool:

@@ -124,7 +124,18 @@ def push_set(
     slants : rad, beside the loop's own. hitch : the ring there, pushed with the loop's own slant. None where none does.
     """
     prepared = ResetStrategy((CycleAction(),), hitch=hitch).prepared(loop)
-    actions = _pushes(loop, slants, straight=hitch is not None)
+    # The loop's push at several places and slants of every side; those of the loop itself among them.
+    straight = hitch is not None
+    outline, own = loop.slider.outline, loop.push
+    many = outline.sides > _MANY_SIDES
+    sides = sorted({round(number) for number in np.linspace(0, outline.sides - 1, min(outline.sides, _MOST_SIDES))})
+    fractions = sorted({*FRACTIONS, own.fraction, 1.0 - own.fraction} if not straight else {own.fraction, 0.3, 0.7})
+    if not isinstance(outline, Polygon):
+        fractions = [step / 12.0 for step in range(12)]
+    angles = (own.angle,) if straight or many else sorted({*slants, own.angle})
+    near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
+    places = product(sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles)
+    actions = [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
     possible = [action for action in actions if _can_be(prepared, action)]
     held = contact_lengths(prepared, possible)
     kept = [action for action, contact in zip(possible, held, strict=True) if contact >= least_contact]
@@ -161,7 +172,9 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
     count, rough = len(source.actions), _rough_look(source)
     found = Candidates(source, np.empty((0, count)), np.empty(0), np.empty(0))
     for size in range(1, min(MOST_TOGETHER, count) + 1):
-        shares = _equal_shares(np.array(list(combinations(range(count), size))), count)
+        subsets = np.array(list(combinations(range(count), size)))
+        shares = np.zeros((len(subsets), count))
+        np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
         tv = _worst(rough, shares, None)[0]
         found = found.joined(
             scored(source, shares[np.argsort(tv, kind="stable")[: _KEPT if size > 2 else None]], within)
@@ -190,20 +203,6 @@ def _action_set(
     return ActionSet(family, actions, hitch, turns, contact_lengths(loop, actions), kernels)
 
 
-def _pushes(loop: CollectionLoop, slants: tuple[float, ...], straight: bool) -> list[CycleAction]:
-    """The loop's push at several places and slants of every side; those of the loop itself among them."""
-    outline, own = loop.slider.outline, loop.push
-    many = outline.sides > _MANY_SIDES
-    sides = sorted({round(number) for number in np.linspace(0, outline.sides - 1, min(outline.sides, _MOST_SIDES))})
-    fractions = sorted({*FRACTIONS, own.fraction, 1.0 - own.fraction} if not straight else {own.fraction, 0.3, 0.7})
-    if not isinstance(outline, Polygon):
-        fractions = [step / 12.0 for step in range(12)]
-    angles = (own.angle,) if straight or many else sorted({*slants, own.angle})
-    near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
-    places = product(sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles)
-    return [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
-
-
 def _can_be(loop: CollectionLoop, action: CycleAction) -> bool:
     """Whether the object allows the push: not in a concave corner, nor one that runs into two sides."""
     try:
@@ -211,12 +210,6 @@ def _can_be(loop: CollectionLoop, action: CycleAction) -> bool:
     except CycleMapError:
         return False
     return True
-
-
-def _equal_shares(subsets: NDArray[np.int64], count: int) -> Array:
-    shares = np.zeros((len(subsets), count))
-    np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
-    return shares
 
 
 def _weighed(shares: Array) -> Array:

@@ -110,10 +110,6 @@ class RestEvidence:
         new = -math.log(self._bets[index] * (self._bets[index] + 1))
         factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)
         self._log_stakes[index] = np.logaddexp(self._log_stakes[index], new) + factor
-        self._follow(index, point, hit)
-
-    def _follow(self, index: int, point: complex, hit: bool) -> None:
-        """Lengthen the run of hits, begin one, or end it."""
         run, period = self._runs[index], index + 1
         if not hit:
             self._runs[index] = None
@@ -285,7 +281,12 @@ class VisitEvidence:
         if len(self._waiting) > self._block:
             path = np.array(self._waiting)
             if self.law.visits > 0.0:
-                self._bet(path)
+                self._blocks += 1
+                new = -math.log(self._blocks * (self._blocks + 1))
+                likelihoods = np.log(self.law.ratio(self._orders_of(path))).sum(axis=1)
+                raised = np.multiply.outer(_POWERS, likelihoods)
+                log_mean = np.logaddexp.reduce(raised, axis=1) - math.log(raised.shape[1])
+                self._log_stakes = np.logaddexp(self._log_stakes, new) + raised[:, 0] - log_mean
             self.law.add(path[1:], kept=math.exp(-1.0 / _REMEMBERED))
             # The last visit of a block is where the next one starts.
             self._waiting = self._waiting[-1:]
@@ -295,14 +296,6 @@ class VisitEvidence:
         law = copy.copy(self.law)
         law.add(np.array(self._waiting[1:] if self.law.visits > 0.0 else self._waiting))
         return law.peak()
-
-    def _bet(self, path: Array) -> None:
-        self._blocks += 1
-        new = -math.log(self._blocks * (self._blocks + 1))
-        likelihoods = np.log(self.law.ratio(self._orders_of(path))).sum(axis=1)
-        raised = np.multiply.outer(_POWERS, likelihoods)
-        log_mean = np.logaddexp.reduce(raised, axis=1) - math.log(raised.shape[1])
-        self._log_stakes = np.logaddexp(self._log_stakes, new) + raised[:, 0] - log_mean
 
     def _orders_of(self, path: Array) -> Array:
         """Shape (orders + 1, block): the visits of a block, the recorded order first."""

@@ -161,7 +161,10 @@ class BiasMonitor:
     @property
     def report(self) -> BiasReport:
         """Where the collection stands."""
-        rest, coverage = self._lasting_rest(), self._coverage.state()
+        rest, coverage = self._counted(self._rest.rest), self._coverage.state()
+        # Told where it has lasted twice the window; a single hit may be chance.
+        if rest is not None and len(self._path) - rest.began < 2 * _RULE.window * len(rest.directions):
+            rest = None
         return BiasReport(
             push=len(self._path) - 1,
             alarm=self._alarm,
@@ -192,14 +195,6 @@ class BiasMonitor:
         if self._visits.log_evidence >= threshold:
             return Alarm(push, "visits", (self._visits.peak(),), None)
         return None
-
-    def _lasting_rest(self) -> Rest | None:
-        """The rest just now, where it has lasted twice the window; a single hit may be chance."""
-        rest = self._counted(self._rest.rest)
-        if rest is None:
-            return None
-        lasted = len(self._path) - rest.began
-        return rest if lasted >= 2 * _RULE.window * len(rest.directions) else None
 
     def _counted(self, rest: Rest | None) -> Rest | None:
         """A rest counted from the first push fed, not from the last change of the reset."""

@@ -86,7 +86,23 @@ class Theta0CsvFeed:
         ``finished``: also where it holds no row.
         """
         try:
-            lines = self._fresh_lines(finished)
+            # A pipe would wait for a writer for ever, and cannot be read twice.
+            if not stat.S_ISREG(self.path.stat().st_mode):
+                raise DataFileError(f"{self.path}: not a regular file; give a CSV file, or a folder of pushes")
+            with self.path.open("rb") as file:
+                if not self._is_as_read(file):
+                    self._dropped = self._dropped or self._rows > 0
+                    self._start_over()
+                    file.seek(0)
+                content = file.read(MOST_BYTES + 1)
+            if len(content) > MOST_BYTES:
+                raise DataFileError(
+                    f"{self.path}: over {MOST_BYTES >> 20} MB more at one look; give a table of θ0 alone"
+                )
+            end = len(content) if finished else content.rfind(b"\n") + 1
+            self._checksum.update(content[:end])
+            self._read += end
+            lines = content[:end].split(b"\n")[: None if finished else -1]
         except FileNotFoundError as error:
             if self._seen and not finished:
                 return NewOrientations(())
@@ -107,24 +123,6 @@ class Theta0CsvFeed:
         self._checksum = hashlib.sha256()
         self._table: CsvTable | None = None
 
-    def _fresh_lines(self, finished: bool) -> list[bytes]:
-        """The whole lines after those that were read; with ``finished`` the last one need not end."""
-        # A pipe would wait for a writer for ever, and cannot be read twice.
-        if not stat.S_ISREG(self.path.stat().st_mode):
-            raise DataFileError(f"{self.path}: not a regular file; give a CSV file, or a folder of pushes")
-        with self.path.open("rb") as file:
-            if not self._is_as_read(file):
-                self._dropped = self._dropped or self._rows > 0
-                self._start_over()
-                file.seek(0)
-            content = file.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise DataFileError(f"{self.path}: over {MOST_BYTES >> 20} MB more at one look; give a table of θ0 alone")
-        end = len(content) if finished else content.rfind(b"\n") + 1
-        self._checksum.update(content[:end])
-        self._read += end
-        return content[:end].split(b"\n")[: None if finished else -1]
-
     def _is_as_read(self, file: BinaryIO) -> bool:
         """Read the file up to where it was read to before, and tell whether that is what it was."""
         found, left = hashlib.sha256(), self._read
@@ -139,11 +137,24 @@ class Theta0CsvFeed:
     def _taken(self, line: bytes) -> list[float]:
         """The θ0 of a line, rad; nothing from the header and from blank lines."""
         self._line += 1
-        row = self._parsed(line)
+        try:
+            text = line.decode("utf-8-sig" if self._line == 1 else "utf-8")
+            fields = next(csv.reader([text.rstrip("\r")], strict=True), [])
+        except UnicodeDecodeError as error:
+            place = f"{self.path}, line {self._line}"
+            raise DataFileError(f"{place}: byte {error.start} is not UTF-8 text; save it as plain CSV") from error
+        except csv.Error as error:
+            raise DataFileError(f"{self.path}, line {self._line}: {error}; mend the quotes of this line") from error
+        row = CsvRow(self._line, tuple(field.strip() for field in fields))
         if not any(row.fields):
             return []
         if self._table is None:
-            self._table = self._headed(row)
+            table = CsvTable(self.path, tuple(name.lower() for name in row.fields), ())
+            if not set(COLUMNS) & set(table.header):
+                raise table.error(
+                    row.line, f"the header is {','.join(table.header)}; it must have {' or '.join(COLUMNS)}"
+                )
+            self._table = table
             return []
         if len(row.fields) != len(self._table.header):
             counts = f"{len(row.fields)} of {len(self._table.header)} fields ('{','.join(row.fields)}')"
@@ -154,23 +165,6 @@ class Theta0CsvFeed:
         if abs(theta) > LARGEST_ORIENTATION:
             raise self._table.error(row.line, f"{column} is '{self._table.text(row, column)}'; {_LOST_FRACTION}")
         return [theta]
-
-    def _parsed(self, line: bytes) -> CsvRow:
-        try:
-            text = line.decode("utf-8-sig" if self._line == 1 else "utf-8")
-            fields = next(csv.reader([text.rstrip("\r")], strict=True), [])
-        except UnicodeDecodeError as error:
-            place = f"{self.path}, line {self._line}"
-            raise DataFileError(f"{place}: byte {error.start} is not UTF-8 text; save it as plain CSV") from error
-        except csv.Error as error:
-            raise DataFileError(f"{self.path}, line {self._line}: {error}; mend the quotes of this line") from error
-        return CsvRow(self._line, tuple(field.strip() for field in fields))
-
-    def _headed(self, row: CsvRow) -> CsvTable:
-        table = CsvTable(self.path, tuple(name.lower() for name in row.fields), ())
-        if not set(COLUMNS) & set(table.header):
-            raise table.error(row.line, f"the header is {','.join(table.header)}; it must have {' or '.join(COLUMNS)}")
-        return table
 
 
 class OwnTableFeed:
@@ -251,13 +245,17 @@ class PushFolderFeed:
         theta: list[float] = []
         for file in fresh:
             try:
-                found = _first_orientation(file)
-            except DataFileError:
-                if finished or self._stale(file):
+                record = read_push_file(file)
+            except (DataFileError, OSError) as error:
+                if not finished and not self._stale(file):
+                    break
+                if isinstance(error, DataFileError):
                     raise
-                break
+                said = error.strerror or error
+                raise DataFileError(f"{file}: cannot be read ({said}); restore it or remove it") from error
             self._taken.add(file)
-            theta += found
+            # A friction scan has none.
+            theta += [float(record.start[2])] if isinstance(record, PushRecord) else []
         return tuple(theta)
 
     def _fresh_files(self, finished: bool) -> list[Path]:
@@ -277,15 +275,6 @@ class PushFolderFeed:
         now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
         self._doubtful = now
         return now == before
-
-
-def _first_orientation(file: Path) -> list[float]:
-    """The first θ0 of a push, rad; nothing from a friction scan."""
-    try:
-        record = read_push_file(file)
-    except OSError as error:
-        raise DataFileError(f"{file}: cannot be read ({error.strerror or error}); restore it or remove it") from error
-    return [float(record.start[2])] if isinstance(record, PushRecord) else []
 
 
 def _place_in_series(file: Path) -> tuple[float, str]:

@@ -66,21 +66,16 @@ def protocol_text(
 ) -> str:
     """Return the text that `write_protocol` writes."""
     tables = collection_tables(loop, noise)
-    if strategy is not None:
-        tables[STRATEGY] = _strategy_table(strategy)
-    if predicted is not None:
-        _check_prediction(predicted)
-        tables[PREDICTED] = {key: value for key, value in predicted.items() if value is not None}
-    return with_checksum(toml_text(tables, _comments(loop, strategy)))
-
-
-def _comments(loop: CollectionLoop, strategy: ResetStrategy | None) -> tuple[str, ...]:
     x, y = (1e3 * part for part in loop.slider.hitch)
     told = [*_COMMENTS, f"Written for {loop.material.name}, with the ring at ({x:.4f}, {y:.4f}) mm of the object."]
     if strategy is not None:
+        tables[STRATEGY] = _strategy_table(strategy)
         needs = f"; needs: {', '.join(strategy.needs)}" if strategy.needs else ""
         told.append(f"{len(strategy.actions)} actions, {strategy.order}{needs}")
-    return tuple(told)
+    if predicted is not None:
+        _check_prediction(predicted)
+        tables[PREDICTED] = {key: value for key, value in predicted.items() if value is not None}
+    return with_checksum(toml_text(tables, tuple(told)))
 
 
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
@@ -123,22 +118,21 @@ def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
         table["block"] = strategy.block
     if strategy.hitch is not None:
         table["hitch_mm"] = [MILLIMETRES.written(part) for part in strategy.hitch]
-    return {**table, "actions": [_action_table(strategy, number) for number in range(len(strategy.actions))]}
-
-
-def _action_table(strategy: ResetStrategy, number: int) -> dict[str, object]:
-    action, told = strategy.actions[number], dict[str, object]()
-    if strategy.weights is not None:
-        told["weight"] = NUMBER.written(strategy.weights[number])
-    if action.push is not None:
-        push = action.push
-        values = zip(_PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True)
-        told |= {"side": push.side, **{key: unit.written(value) for (key, unit), value in values}}
-    if action.way_points is not None:
-        told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in action.way_points]
-    if action.turn or not told:
-        told["gripper_turn_deg"] = DEGREES.written(action.turn)
-    return told
+    actions = []
+    for number, action in enumerate(strategy.actions):
+        told = dict[str, object]()
+        if strategy.weights is not None:
+            told["weight"] = NUMBER.written(strategy.weights[number])
+        if action.push is not None:
+            push = action.push
+            values = zip(_PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True)
+            told |= {"side": push.side, **{key: unit.written(value) for (key, unit), value in values}}
+        if action.way_points is not None:
+            told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in action.way_points]
+        if action.turn or not told:
+            told["gripper_turn_deg"] = DEGREES.written(action.turn)
+        actions.append(told)
+    return {**table, "actions": actions}
 
 
 def _strategy(table: object) -> ResetStrategy:

@@ -14,16 +14,7 @@ from pathlib import Path
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.file_text import (
-    DEGREES,
-    MILLIMETRES,
-    NUMBER,
-    Unit,
-    check_checksum,
-    decimal_text,
-    located,
-    with_checksum,
-)
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, check_checksum, decimal_text, located, with_checksum
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
@@ -91,7 +82,11 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
     for cycle, action in enumerate(actions):
         assert action.push is not None and action.way_points is not None
         if action.push not in starts:
-            starts[action.push] = _push_fields(loop, action.push)
+            push = action.push
+            (x, y), direction = rod_start(loop, push)
+            numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
+            told = [_field(unit, value) for unit, value in numbers]
+            starts[action.push] = [str(push.side), *told, *map(_rounded, (1e3 * x, 1e3 * y, *direction))]
         turn = _field(DEGREES, action.turn)
         writer.writerow([str(cycle), *starts[action.push], *_drag_fields(action.way_points, legs), turn])
     head = [f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))]
@@ -113,13 +108,6 @@ def _field(unit: Unit, value: float) -> str:
 def _rounded(value: float) -> str:
     """A number that only the robot needs: to a picometre, or a billionth of a degree."""
     return repr(round(value, _DECIMALS) + 0.0)
-
-
-def _push_fields(loop: CollectionLoop, push: SidePush) -> list[str]:
-    (x, y), direction = rod_start(loop, push)
-    numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
-    told = [_field(unit, value) for unit, value in numbers]
-    return [str(push.side), *told, *map(_rounded, (1e3 * x, 1e3 * y, *direction))]
 
 
 def rod_start(loop: CollectionLoop, push: SidePush) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -165,7 +153,10 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
         if name not in _header(legs):
             # A way-point whose name is damaged would be left out in silence.
             raise DataFileError(f"{path}: {unknown_name('column', name, _header(legs + 1))}")
-    count = _promised(read)
+    text = read.facts.get("cycles", "")
+    if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
+        raise DataFileError(f"{read.table.path}: the comment '# cycles: N' is missing or damaged; write the file anew")
+    count = int(text)
     for number, row in enumerate(table.rows):
         if table.text(row, "cycle") != str(number):
             raise table.error(row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow")
@@ -173,13 +164,6 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
         last = table.rows[-1].line
         raise table.error(last, f"{len(table.rows)} cycles of the {count} that the comments promise; write it anew")
     return tuple(_action(read, row, legs) for row in table.rows)
-
-
-def _promised(read: _Commented) -> int:
-    text = read.facts.get("cycles", "")
-    if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
-        raise DataFileError(f"{read.table.path}: the comment '# cycles: N' is missing or damaged; write the file anew")
-    return int(text)
 
 
 def _action(read: _Commented, row: CsvRow, legs: int) -> CycleAction:
@@ -209,18 +193,13 @@ def _way_points(read: _Commented, row: CsvRow, legs: int) -> Points:
             raise read.table.error(row.line, f"{x} is given, but the way-point before it is blank")
         found.append((read.number(row, x, MILLIMETRES), read.number(row, y, MILLIMETRES)))
         told.append((math.radians(read.table.number(row, direction)), read.table.number(row, length)))
-    _check_legs(read, row, tuple(found), told)
+    runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
+    for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
+        dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
+        if math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing)) > _AGREE_MM:
+            words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
+            raise read.table.error(row.line, words)
     return tuple(found)
-
-
-def _check_legs(read: _Commented, row: CsvRow, points: Points, told: list[tuple[float, float]]) -> None:
-    runs = pairwise((*points, (0.0, 0.0)))
-    for leg, (((x, y), (onward_x, onward_y)), (direction, length)) in enumerate(zip(runs, told, strict=True), 1):
-        dx, dy = 1e3 * (onward_x - x), 1e3 * (onward_y - y)
-        if math.hypot(dx - length * math.cos(direction), dy - length * math.sin(direction)) > _AGREE_MM:
-            raise read.table.error(
-                row.line, f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
-            )
 
 
 @dataclass(frozen=True)
@@ -247,18 +226,18 @@ def _read_commented(path: str | Path) -> _Commented:
     if lines.pop():
         raise DataFileError(f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file anew")
     comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
-    rows = [_row(Path(path), n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    rows = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line[0] == "#":
+            continue
+        try:
+            (fields,) = csv.reader([line], strict=True)
+        except csv.Error as error:
+            raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
+        rows.append(CsvRow(number, tuple(field.strip() for field in fields)))
     if len(rows) < 2:
         raise DataFileError(f"{path}: a schedule has a header and at least one row; the file is empty or cut off")
     table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
     check_shape(table)
     named = (comment.partition(":") for comment in comments)
     return _Commented(table, {name.strip(): fact.strip() for name, colon, fact in named if colon})
-
-
-def _row(path: Path, number: int, line: str) -> CsvRow:
-    try:
-        (fields,) = csv.reader([line], strict=True)
-    except csv.Error as error:
-        raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
-    return CsvRow(number, tuple(field.strip() for field in fields))

@@ -12,29 +12,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
 import platform
-import statistics
-import time
-from collections.abc import Callable
-from typing import Any
-
-import numpy as np
 
 from tests.benchmarks.engine import processor
 from tests.benchmarks.peers.entrants import DRAGGED, EVEN, ONE_CALL, Entrant, entrants, even_entrants
 from tests.benchmarks.peers.push_problem import four_corners, plain_grid
 from tests.benchmarks.peers.simulators import simulators
-from tests.benchmarks.timing import Row, show
-
-
-def in_turns(runs: list[Callable[[], Any]], rounds: int) -> list[float]:
-    """Median time of each run, s: all run one after another in every round, and once before, which does not count."""
-    times = np.empty((rounds + 1, len(runs)))
-    for row in times:
-        for i, run in enumerate(runs):
-            start = time.perf_counter()
-            run()
-            row[i] = time.perf_counter() - start
-    return [statistics.median(column) for column in times[1:].T.tolist()]
+from tests.benchmarks.timing import Row, in_turns, show
 
 
 def rows(those: list[Entrant], rounds: int) -> list[Row]:
@@ -56,26 +39,17 @@ def in_the_time_of_one(found: list[Row]) -> str:
     return "".join(told)
 
 
-def stay_on_one_core() -> None:
-    """Keep this process to one core where the system can, and this package to one thread everywhere."""
-    os.environ["CYCLEMAP_THREADS"] = "1"
-    if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-
-
-def load() -> str:
-    """What else the machine does."""
-    return f"load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "load unknown"
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.peers")
     parser.add_argument("--rounds", type=int, default=9)
     rounds = parser.parse_args().rounds
-    stay_on_one_core()
-    python = f"Python {platform.python_version()}"
-    print(f"{processor()}, one of {os.cpu_count()} cores, {platform.system()}, {python}, {load()}")
+    # One core where the system can, and one thread of this package everywhere.
+    os.environ["CYCLEMAP_THREADS"] = "1"
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    system = f"{platform.system()}, Python {platform.python_version()}"
+    print(f"{processor()}, one of {os.cpu_count()} cores, {system}, load {os.getloadavg()[0]:.1f}")
     for reason in simulators().values():
         if isinstance(reason, str):
             print(reason)
@@ -84,7 +58,7 @@ def main() -> None:
         found = rows([*entrants(problem), *even], rounds)
         show(f"one push, {problem.name}; last, under even pressure on plywood", found)
         print(in_the_time_of_one(found))
-    print(load())
+    print(f"load {os.getloadavg()[0]:.1f}")
 
 
 if __name__ == "__main__":

@@ -11,8 +11,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.mechanics import Pose, QuasiStaticModel, SidePush
 from cyclemap.mechanics.quasi_static import run_strokes
 from tests.benchmarks.peers.package_push import ENGINE
-from tests.benchmarks.peers.push_problem import ANGLES, Distance, PushProblem, distance
-from tests.benchmarks.peers.simulator import Simulator
+from tests.benchmarks.peers.push_problem import ANGLES, Distance, PushProblem, Simulator, distance
 from tests.benchmarks.peers.simulators import simulators
 
 # Pushes of which a simulator's own limit is computed: one of each angle of approach.

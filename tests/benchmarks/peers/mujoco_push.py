@@ -6,8 +6,7 @@ import mujoco
 import numpy as np
 
 from cyclemap.mechanics import Pose, SidePush
-from tests.benchmarks.peers.push_problem import CORNERS, PushProblem
-from tests.benchmarks.peers.simulator import Simulator
+from tests.benchmarks.peers.push_problem import CORNERS, PushProblem, Simulator
 
 # The rod's mass, kg: so much that pushing does not slow it, and no controller has to be called at every step.
 _ROD_MASS = 1e8

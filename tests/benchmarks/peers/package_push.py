@@ -4,8 +4,7 @@ from dataclasses import dataclass, replace
 
 import cyclemap
 from cyclemap.mechanics import DynamicModel, Pose, SidePush
-from tests.benchmarks.peers.push_problem import CORNERS, GRID, PushProblem
-from tests.benchmarks.peers.simulator import Simulator
+from tests.benchmarks.peers.push_problem import CORNERS, GRID, PushProblem, Simulator
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
-"""The pushes that every simulator is given, and how far from the right end poses it leaves the object."""
+"""The pushes that every simulator is given, how one is described, and how far off it leaves the object."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -93,6 +94,30 @@ class PushProblem:
         place = first + push.fraction * (second - first) + self.pusher.radius * outward
         direction = pose.theta + math.atan2(outward[1], outward[0]) + math.pi + push.angle
         return pose.to_world(float(place[0]), float(place[1])), (math.cos(direction), math.sin(direction))
+
+
+class Runner(Protocol):
+    """A simulator that is built and warm."""
+
+    def end_pose(self, pose: Pose, push: SidePush) -> Pose:
+        """The object's pose after a push from a pose."""
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """One simulator.
+
+    build : from a problem and settings. chosen : settings by the problem's name; it takes part where it has some.
+    finer : settings whose results stand for the limit of ever finer steps, all else being the same. searched : by the
+    settings' names, between which values the search looks.
+    """
+
+    name: str
+    version: str
+    build: Callable[[PushProblem, Any], Runner]
+    chosen: Mapping[str, Any]
+    finer: Callable[[Any], Any]
+    searched: Mapping[str, tuple[float, float]]
 
 
 def distance(ends: Sequence[Pose], others: Sequence[Pose]) -> Distance:

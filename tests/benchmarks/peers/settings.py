@@ -22,11 +22,11 @@ from tests.benchmarks.peers.push_problem import (
     NEAR_MM,
     Distance,
     PushProblem,
+    Simulator,
     distance,
     four_corners,
     plain_grid,
 )
-from tests.benchmarks.peers.simulator import Simulator
 from tests.benchmarks.peers.simulators import simulators
 
 _TRIED = len(ANGLES)

@@ -2,8 +2,8 @@
 
 from importlib import import_module
 
-from tests.benchmarks.peers import numpy_push, package_push, scipy_push
-from tests.benchmarks.peers.simulator import Simulator
+from tests.benchmarks.peers import package_push, plain_push
+from tests.benchmarks.peers.push_problem import Simulator
 
 # Modules of the engines that have to be installed for this: pip install cyclemap[peers].
 _ENGINES = {"mujoco": "tests.benchmarks.peers.mujoco_push", "drake": "tests.benchmarks.peers.drake_push"}
@@ -25,6 +25,6 @@ def simulators() -> dict[str, Simulator | str]:
         "cyclemap": package_push.ENGINE,
         **{name: engine(name) for name in _ENGINES},
         "dynamic": package_push.DYNAMIC,
-        "scipy": scipy_push.SIMULATOR,
-        "numpy": numpy_push.SIMULATOR,
+        "scipy": plain_push.SCIPY,
+        "numpy": plain_push.NUMPY,
     }

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics import Pose, SidePush
 from tests.benchmarks.peers.push_problem import PushProblem
 
 Array = NDArray[np.float64]
@@ -127,12 +126,6 @@ class SupportPoints:
         away = (seen - nearest) / math.hypot(*(seen - nearest))
         normal = turn @ away
         return Contact(place + turn @ nearest, normal, np.array([-normal[1], normal[0]]))
-
-
-def start_of(problem: PushProblem, pose: Pose, push: SidePush) -> tuple[Array, Array, Array]:
-    """State (x, y, theta) of the object, the rod's centre at first touch and its direction, as arrays."""
-    place, direction = problem.rod_path(pose, push)
-    return np.array([pose.x, pose.y, pose.theta]), np.array(place), np.array(direction)
 
 
 def _turn(theta: float) -> Array:

@@ -1,0 +1,112 @@
+"""In the object's frame paths spread as the caption says; in the robot's frame those of different θ0 do not cross."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from figure_cases import CYCLES, DRAWN, NOWHERE, assert_drawn, recorded_plywood, words_of
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.figures import trajectories_object_frame, trajectories_robot_frame
+from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.trajectories_robot_frame import CROWDED, crowded_arcs
+from cyclemap.maps import WrappedNormal, sample_staircase
+
+both = pytest.mark.parametrize("module", [trajectories_object_frame, trajectories_robot_frame])
+
+
+@cache
+def made(module, measured=NOWHERE):
+    return module.compute(measured, CYCLES, DRAWN)
+
+
+@pytest.fixture(scope="module")
+def objects():
+    return made(trajectories_object_frame)
+
+
+@pytest.fixture(scope="module")
+def robots():
+    return made(trajectories_robot_frame)
+
+
+def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(objects) -> None:
+    spread = np.array([objects.spread(number) for number in range(4)])
+    assert np.all(spread > 0.0)
+    assert np.all(spread[3, [0, 2]] > spread[1:3][:, [0, 2]])
+    assert spread[3, 2] > 0.008
+    assert spread[3, 0] > math.radians(2.0)
+
+
+def test_the_spreads_of_the_caption_are_those_of_the_paths_beside_table_ii(objects) -> None:
+    told = trajectories_object_frame.FIGURE.caption(objects)
+    printed = (4.7, 2.8, 8.6), (3.2, 1.6, 5.3), (1.3, 1.0, 3.2), (4.5, 2.9, 11.4)
+    for paths, (a, b, c) in zip(objects.surfaces, printed, strict=True):
+        turn, (dx, dy) = np.degrees(np.std(paths.turn)), 1000.0 * np.std(paths.object_frame[:, -1], axis=0)
+        assert f"{paths.surface} {turn:.1f}° ({a}), {dx:.1f} mm ({b}), {dy:.1f} mm ({c})" in told
+
+
+def test_on_table_i_a_run_stays_in_one_direction_as_the_caption_says(objects) -> None:
+    """500 noisy cycles from 0 settle within 25 degrees of the stable direction; plywood-measured climbs."""
+    table = CollectionLoop.mit("plywood", accuracy=1e-6).circle_map(1e-3)
+    run = sample_staircase(table, WrappedNormal(math.radians(1.1)), 500, 0.0, seed=4).theta[100:]
+    assert np.ptp(run) < math.radians(50.0)
+    plywood = objects.surfaces[0]
+    assert plywood.orientations[-1] - plywood.orientations[0] > 2 * math.pi
+    assert "with Table I a run stays in one direction" in trajectories_object_frame.FIGURE.caption(objects)
+
+
+def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(robots) -> None:
+    here, there, pairs = np.sum(robots.crossed, axis=0)
+    assert pairs > 300
+    assert here == 0
+    assert there > 0.2 * pairs
+    told = trajectories_robot_frame.FIGURE.caption(robots)
+    assert f"Of {pairs} pairs of paths from orientations 5° or more apart, {here} cross here" in told
+    assert f"{there} in the object's frame" in told
+
+
+def test_crowded_arcs_hold_their_directions_more_than_twice_as_densely_as_all_alike(robots) -> None:
+    assert all(robots.arcs)
+    for paths, arcs in zip(robots.surfaces, robots.arcs, strict=True):
+        for begin, end in arcs:
+            share = np.mean(np.mod(paths.orientations - begin, 2 * np.pi) < end - begin)
+            assert share >= CROWDED * (end - begin) / (2 * np.pi)
+
+
+def test_arcs_are_found_across_zero_and_nowhere_where_all_directions_are_alike() -> None:
+    assert crowded_arcs(np.linspace(0.0, 2 * np.pi, 720, endpoint=False)) == []
+    ((begin, end),) = crowded_arcs(np.deg2rad([355.0, 358.0, 2.0, 8.0]))
+    assert np.degrees((begin, end)) == pytest.approx((350.0, 370.0))
+
+
+@pytest.mark.slow
+@both
+def test_recorded_pushes_take_the_place_of_simulated_ones(module, tmp_path_factory) -> None:
+    """Without data caption and panels say so."""
+    found = made(module, recorded_plywood(tmp_path_factory))
+    for result, simulated, absent in (
+        (made(module), 4, "plywood, abs, delrin and pu"),
+        (found, 3, "abs, delrin and pu"),
+    ):
+        told, figure = module.FIGURE.caption(result), module.FIGURE.draw(result)
+        words = words_of(figure).replace("\n", " ")
+        assert f"Recorded pushes on {absent}: {NO_DATA}." in told
+        assert words.count(", simulated") == simulated and words.count("plywood, recorded") == 4 - simulated
+        assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (simulated == 3)
+        assert_drawn(figure, 5)
+
+
+@pytest.mark.slow
+@both
+def test_on_plywood_the_pushes_start_where_the_robots_did(module, measured_data) -> None:
+    """At measured orientations, from the first to the last, and it is said."""
+    found = made(module, MeasuredFolder(measured_data))
+    plywood = found.surfaces[0]
+    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
+    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
+    told, figure = module.FIGURE.caption(found), module.FIGURE.draw(found)
+    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
+    assert "plywood, from measured θ0" in words_of(figure).replace("\n", " ")
+    assert_drawn(figure, 5)
