@@ -4,6 +4,7 @@ import io
 import json
 import math
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -182,3 +183,28 @@ def test_own_tables_are_read_by_fit_and_audit_and_told_on_stderr(here, capsys) -
     (here / "bad.csv").write_text("speed;force\n1;2\n3;4\n")
     assert run(["fit", "bad.csv"]) == 2
     assert "say which, --columns theta0=NAME; it has speed, force" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["portrait", "staircase"])
+def test_a_prediction_takes_a_log_of_ones_own_as_it_takes_its_pairs_in_degrees(command, here, capsys) -> None:
+    random, theta = np.random.default_rng(0), [0.2]
+    for _ in range(60):
+        theta.append(theta[-1] + 0.3 + 0.2 * math.sin(theta[-1]) + 0.02 * random.normal())
+    steps = [(a % math.tau, b % math.tau) for a, b in pairwise(np.round(theta, 6).tolist())]
+    (here / "log.csv").write_text("run;yaw;yaw_after\n" + "".join(f"{n};{a};{b}\n" for n, (a, b) in enumerate(steps)))
+    rows = "".join(f"{math.degrees(a)},{math.degrees(b)}\n" for a, b in steps)
+    (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + rows)
+    told = [
+        report(capsys, command, "isotropic", "--data", *data)["data"]
+        for data in (["log.csv", "--columns", "theta_next=yaw_after"], ["pairs.csv"])
+    ]
+    assert told[0] == told[1]
+    assert told[0]
+
+
+def test_a_report_judges_poses_that_tell_no_cycle_and_a_portrait_says_that_they_tell_none(here, refused) -> None:
+    poses = "".join(f"0,0,{a},0.04,-0.07,{a + 1.3},150\n" for a in np.linspace(0.0, 6.0, 30))
+    (here / "ends.csv").write_text("x0,y0,theta0,x1,y1,theta1,push_mm\n" + poses)
+    assert run(["report", "isotropic", "--data", "ends.csv"]) == 0
+    assert "ends.csv" in (here / "out" / "report_isotropic.html").read_text()
+    refused(["portrait", "isotropic", "--data", "ends.csv"], "no push tells the orientation before the next one")
