@@ -111,7 +111,13 @@ class CircleMap:
         _, arguments, options = self._recipe
         for part in (*arguments, *options.values()):
             if callable(part) and not isinstance(part, CircleMap):
-                _require_picklable(part)
+                try:
+                    pickle.dumps(part)
+                except Exception as cause:
+                    raise InvalidInput(
+                        f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def "
+                        "at the top of a module (or sample it: CircleMap.from_samples)"
+                    ) from cause
         return _remade, (self._recipe,)
 
     def __copy__(self) -> CircleMap:
@@ -261,7 +267,19 @@ class CircleMap:
         >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
         (2.5, 3)
         """
-        checked = _blaschke_zeros(zeros)
+        try:
+            given = np.asarray(zeros, dtype=np.complex128)
+        except (TypeError, ValueError) as cause:
+            raise InvalidInput(f"zeros must hold complex numbers only, not {zeros!r}") from cause
+        if given.ndim != 1 or given.size == 0:
+            raise InvalidInput(f"zeros has shape {given.shape}: give a list of one complex number or more")
+        outside = ~(np.abs(given) < 1.0)
+        if np.any(outside):
+            entry = int(np.argmax(outside))
+            raise InvalidInput(
+                f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit circle, |a| < 1"
+            )
+        checked = tuple(complex(a) for a in given)
         forms = _blaschke_forms(checked, TWO_PI * finite_number("omega", omega))
         return cls.with_scalar(*forms, degree=len(checked)).remade_by(cls.blaschke, checked, omega)
 
@@ -333,31 +351,6 @@ class CircleMap:
 def _remade(recipe: Recipe) -> CircleMap:
     maker, arguments, options = recipe
     return maker(*arguments, **options)
-
-
-def _require_picklable(part: Any) -> None:
-    try:
-        pickle.dumps(part)
-    except Exception as cause:
-        raise InvalidInput(
-            f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def at the top "
-            "of a module (or sample it: CircleMap.from_samples)"
-        ) from cause
-
-
-def _blaschke_zeros(zeros: Any) -> tuple[complex, ...]:
-    """The zeros of a finite Blaschke product, checked: one or more complex numbers with |a| < 1."""
-    try:
-        given = np.asarray(zeros, dtype=np.complex128)
-    except (TypeError, ValueError) as cause:
-        raise InvalidInput(f"zeros must hold complex numbers only, not {zeros!r}") from cause
-    if given.ndim != 1 or given.size == 0:
-        raise InvalidInput(f"zeros has shape {given.shape}: give a list of one complex number or more")
-    outside = ~(np.abs(given) < 1.0)
-    if np.any(outside):
-        entry = int(np.argmax(outside))
-        raise InvalidInput(f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit circle, |a| < 1")
-    return tuple(complex(a) for a in given)
 
 
 def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lift, Scalar]:

@@ -26,14 +26,12 @@ class _Reference:
     nodes: Array
     to_coefficients: Array
     antiderivative: Array  # (2, degrees, ORDER): of P_j dθ/dt per half-width, zero at t = -1
-    gram: Array  # (2, ORDER, ORDER): ∫ P_i P_j dθ/dt per half-width
-    slope_product: Array  # (ORDER, ORDER): ∫ P_i' P_j dt
+    mass: Array  # (2, ORDER): ∫ P_j dθ/dt per half-width
 
 
 @cache
 def _reference() -> _Reference:
     nodes = np.asarray(legendre.leggauss(ORDER)[0], dtype=np.float64)
-    degrees = np.arange(ORDER)
     # The inverse is good to rounding; with Gauss weights in its place 1e-14 would be lost.
     to_coefficients = np.asarray(np.linalg.inv(legendre.legvander(nodes, ORDER - 1)), dtype=np.float64)
     fine, fine_weights = legendre.leggauss(3 * ORDER)
@@ -42,10 +40,7 @@ def _reference() -> _Reference:
     weighted = np.einsum("qi,sq,qj->sij", waves * fine_weights[:, None], stretches, waves[:, :ORDER])
     series = weighted * (np.arange(ORDER + _EXTRA) + 0.5)[:, None]
     antiderivative = np.stack([legendre.legint(part, lbnd=-1.0, axis=0) for part in series])
-    # ∫ P_i' P_j dt is 2 where i - j is odd and positive.
-    ahead = np.subtract.outer(degrees, degrees)
-    slope_product = np.where((ahead > 0) & (ahead % 2 == 1), 2.0, 0.0)
-    return _Reference(nodes, to_coefficients, antiderivative, weighted[:, :ORDER], slope_product)
+    return _Reference(nodes, to_coefficients, antiderivative, weighted[:, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +138,7 @@ class Panels:
     @cached_property
     def mass(self) -> Array:
         """(size,): the integral of every basis function."""
-        per_half = _reference().gram[self.bent.astype(np.int64), 0]
-        return np.asarray(self.half[:, None] * per_half).ravel()
+        return np.asarray(self.half[:, None] * _reference().mass[self.bent.astype(np.int64)]).ravel()
 
     def integral(self, law: Any, theta: Array) -> Any:
         """∫ of the function with coefficients ``law`` from the first panel's start to each angle."""
@@ -173,19 +167,6 @@ class Panels:
         values = np.where(self.bent[panel, None], waves @ tables[1], waves @ tables[0])
         return panel, self.half[panel, None] * values
 
-    def derivative(self, primitive: Any) -> Any:
-        """Coefficients of the derivative, in the weak sense, of a function of period one turn of panels.
-
-        Its integrals against every P_k(t) of every panel are exact; where the derivative is infinite (at the end of
-        a bent panel) or a point mass (where the function jumps) no other meaning is left.
-        """
-        tables, blocks = _reference(), np.asarray(primitive).reshape(self.count, ORDER)
-        at_end = np.sum(blocks, axis=1)
-        signs = (-1.0) ** np.arange(ORDER)
-        moments = at_end[:, None] - np.roll(at_end, 1)[:, None] * signs - blocks @ tables.slope_product.T
-        gram = tables.gram[self.bent.astype(np.int64)] * self.half[:, None, None]
-        return np.linalg.solve(gram, moments[:, :, None]).reshape(self.size)
-
     def rule(self, cuts: Array, points: int) -> tuple[Array, Array]:
         """Gauss-Legendre nodes and weights in t on every panel, cut also at the angles ``cuts``, sorted."""
         panel, t = self.locate(cuts)
@@ -208,13 +189,12 @@ class LevelSteps:
     """The step functions n(θ; z) = ⌊(F(θ) - z)/2π⌋ on [0, 2π), one a level.
 
     row, theta, height : every step inside: its level's index, its angle, and by how much n rises there.
-    first, last : (levels,): n just after 0 and just before 2π.
+    last : (levels,): n just before 2π.
     """
 
     row: Whole
     theta: Array
     height: Whole
-    first: Whole
     last: Whole
 
 
@@ -234,7 +214,6 @@ def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelStep
         np.append(rows, jump_row),
         np.append(theta, cells.start[cell + 1]),
         np.append(height, jumped[jump_row, cell]),
-        low[:, 0],
         high[:, -1],
     )
 

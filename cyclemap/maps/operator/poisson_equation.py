@@ -74,7 +74,7 @@ class BorderedSystem:
     @cached_property
     def largest_growth(self) -> float:
         """Measured bound on sup|x| over sup|f|, (I - L) x = f: a norm of the inverse between values on the nodes."""
-        theta, weight = self.basis.rule()
+        theta, weight = self.basis.rule
         values = self.basis.evaluate(theta)
         project = np.linalg.solve((values.T * weight) @ values, values.T * weight)
         within = values @ (self.solve(np.asarray(project)) - project)
@@ -155,7 +155,7 @@ def map_error_of_integral(system: BorderedSystem, law: Array, moments: Array, di
     basis, epsilon = system.basis, system.basis.map.max_error
     if epsilon == 0.0:
         return 0.0
-    theta, weight = basis.rule()
+    theta, weight = basis.rule
     dual = system.dual(moments, law)
     if isinstance(basis, FourierDiscretisation):
         return epsilon * float(
@@ -183,7 +183,7 @@ def map_error_of_density(system: BorderedSystem, law: Array) -> Array:
     if epsilon == 0.0 or not isinstance(basis, FourierDiscretisation):
         return np.zeros(1)
     where = TWO_PI * np.arange(basis.modes) / basis.modes
-    theta, weight = basis.rule()
+    theta, weight = basis.rule
     mass = weight * np.abs(basis.on_nodes(law))
     held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
     slopes = np.abs(basis.expected_slope(system.dual(basis.evaluate(where).T, law), at=theta[held]))
@@ -279,7 +279,7 @@ def diffusion_constant(system: BorderedSystem, law: Array, order: int = _ORDER) 
         raise InvalidInput(f"the map has degree {basis.map.degree}: a diffusion constant needs degree 1")
     if np.isinf(basis.noise.variance):
         return float("inf")
-    theta, weight = basis.rule()
+    theta, weight = basis.rule
     waves_there = basis.evaluate(theta)
     turn, mass = basis.map.turn(theta), weight * (waves_there @ law)
     turn = turn - np.dot(mass, turn)
@@ -374,7 +374,7 @@ def _without_mean(basis: Discretisation, coefficients: Array) -> Array:
 
 def _coefficients_of(basis: Discretisation, dual: Array) -> Array:
     """The function in the basis with the integrals ``dual``, ∫ zφ_j."""
-    nodes, weight = basis.rule()
+    nodes, weight = basis.rule
     values = basis.evaluate(nodes)
     return np.asarray(np.linalg.solve((values.T * weight) @ values, dual))
 
@@ -382,7 +382,7 @@ def _coefficients_of(basis: Discretisation, dual: Array) -> Array:
 def _over_kicks(basis: Discretisation, later: Callable[[Array], Array], image: Array, mass: Array, order: int) -> float:
     """Σ mass ∫ ξ g(ξ) z(image + ξ) dξ, on panels of ξ that end where z jumps: at the map's breaks."""
     reach = kick_reach(basis.noise)
-    steepest = float(np.max(np.abs(basis.map.derivative(basis.rule()[0]))))
+    steepest = float(np.max(np.abs(basis.map.derivative(basis.rule[0]))))
     plain = np.linspace(-reach, reach, 2 + int(reach * 0.5 * basis.size * np.hypot(1.0, steepest) / _PHASE))
     laps = TWO_PI * np.arange(-np.ceil(reach / TWO_PI) - 1, np.ceil(reach / TWO_PI) + 2)
     cuts = np.add.outer(laps, basis.map.breaks).ravel()

@@ -31,17 +31,7 @@ from cyclemap.maps.operator.poisson_equation import (
     map_error_of_density,
     map_error_of_moment,
 )
-from cyclemap.maps.operator.spectrum import (
-    Perturbation,
-    Response,
-    ResponseLevel,
-    Spectrum,
-    leading_spectrum,
-    leading_values,
-    map_perturbation,
-    mixing_time,
-    second_modulus,
-)
+from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 
@@ -131,7 +121,7 @@ class TransferOperator:
 
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
     ``poisson_equation.law_error`` for what in them is proved and what measured); to first order they include the
-    map's own ``max_error``, except in the spectrum, the responses and the diffusion constant.
+    map's own ``max_error``, except in the spectrum and the diffusion constant.
     """
 
     map: CircleMap
@@ -262,33 +252,6 @@ class TransferOperator:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
         return mixing_time(self._second)
 
-    # -- responses -----------------------------------------------------------------------------------------
-
-    def map_response(self, tangent: Function, break_shifts: Any = None) -> Response:
-        """The derivative of law, moments, winding and gap when F moves as F + p·tangent, at p = 0.
-
-        tangent : ∂F/∂p, vectorised, radians a unit, as smooth as F between its breaks. break_shifts : rate of every
-            break of F, radians a unit, in the order of ``map.breaks``; None where none moves.
-        dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
-
-        >>> from cyclemap.maps.noise.noise import WrappedNormal
-        >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
-        >>> round(turning.map_response(np.ones_like).rotation_number * 2 * np.pi, 12)
-        1.0
-        """
-        theta, _ = self.discretisation.rule()
-        return self._response(map_perturbation(self.map, theta, tangent, break_shifts))
-
-    def noise_response(self) -> Response:
-        """The derivative of the same with respect to the noise's own parameter (sigma, r, kappa or halfwidth)."""
-        return self._response(Perturbation())
-
-    def _response(self, moving: Perturbation) -> Response:
-        level = ResponseLevel(self._system, self._law, self._leading, moving)
-        fine = self._finer
-        vectors = leading_spectrum(fine.discretisation, None, fine._law, _LEADING)
-        return Response(level, ResponseLevel(fine._system, fine._law, vectors, moving))
-
     # -- passages ------------------------------------------------------------------------------------------
 
     def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
@@ -334,7 +297,7 @@ class TransferOperator:
         return density_grid(self.density, self.discretisation.size)
 
     def _expected(self, function: Function, folds: bool, direct: float) -> Estimate:
-        rules = self.discretisation.rule(), self._error.basis.rule()
+        rules = self.discretisation.rule, self._error.basis.rule
         if folds:
             rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
         return expected(self._error, function, rules, direct)

@@ -102,34 +102,26 @@ def log10_passage_time(
 
 def _log_time(chain: KilledChain, start: float) -> float:
     """ln T(start) for a long passage under normal noise: by sweeps, or by elimination where they do not end."""
-    found = _swept(chain, start)
-    if found is None and chain.theta.size > MAX_UNKNOWNS:
-        raise ConvergenceError(
-            f"the path stays for too long in several parts of the arc for {chain.theta.size} nodes: raise the noise"
-        )
-    return _eliminated(chain, start) if found is None else found
-
-
-# -- sweeps over the moves that count ------------------------------------------------------------------------
-
-
-def _swept(chain: KilledChain, start: float) -> float | None:
-    """ln T(start) from sparse sweeps; None where they do not end."""
-    out = _log_departures(chain)
-    chances = _moves(chain, np.zeros(chain.theta.size), out)
-    mass = np.ones(chain.theta.size)
+    out, size = _log_departures(chain), chain.theta.size
+    chances, mass = _moves(chain, np.zeros(size), out), np.ones(size)
     for _ in range(64):
         mass = mass @ chances
         mass /= max(mass.sum(), np.finfo(float).tiny)
     first = int(np.argmax(mass))
-    onto = chances[:, [first]].toarray().ravel()
     away = _without(chances, first)
-    excursion, returns = _fixed(away, np.ones_like(mass)), _fixed(away, onto)
+    excursion, returns = _fixed(away, np.ones(size)), _fixed(away, chances[:, [first]].toarray().ravel())
     log_h = None if excursion is None or returns is None else _log_chance(chain, first, out)
-    if log_h is None or excursion is None or returns is None:
-        return None
-    returns[first] = 1.0
-    return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
+    if log_h is not None and excursion is not None and returns is not None:
+        returns[first] = 1.0
+        return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
+    if size > MAX_UNKNOWNS:
+        raise ConvergenceError(
+            f"the path stays for too long in several parts of the arc for {size} nodes: raise the noise"
+        )
+    return _eliminated(chain, start)
+
+
+# -- sweeps over the moves that count ------------------------------------------------------------------------
 
 
 def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
@@ -197,7 +189,10 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
         column = (begin[block, None] + np.arange(_BLOCK)).ravel()
         row = np.repeat(row, _BLOCK)[column < size]
         column = column[column < size]
-        term = value[column] + _log_kick(chain, theta[column] - image[row, 0])
+        near = chain.distance(theta[column] - image[row, 0])
+        term = value[column] - 0.5 * (near / sigma) ** 2
+        if not chain.lifted:  # from the two nearest images
+            term = np.logaddexp(term, value[column] - 0.5 * ((TWO_PI - near) / sigma) ** 2)
         kept = term > least[row]
         rows.append(at + row[kept])
         columns.append(column[kept])
@@ -222,7 +217,13 @@ def _eliminated(chain: KilledChain, start: float) -> float:
     out = _log_departures(chain)[order]
     log_h = _log_leaving(moves, out)
     tilted = np.exp(moves + log_h - log_h[:, None])
-    _given_pivots(tilted, pivot)
+    for high in range(pivot.size, 0, -_TOGETHER):  # with known pivots: U stands above the diagonal afterwards
+        low = max(0, high - _TOGETHER)
+        for k in range(high - 1, low - 1, -1):
+            tilted[:k, k] /= pivot[k]
+            tilted[:k, low:k] += np.multiply.outer(tilted[:k, k], tilted[k, low:k])
+            tilted[low:k, :low] += np.multiply.outer(tilted[low:k, k], tilted[k, :low])
+        tilted[:low, :low] += tilted[:low, low:high] @ tilted[low:high, :low]
     leaving = np.log(_collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
     return float(np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns())))
 
@@ -238,17 +239,6 @@ def _collected(shares: Array, reward: Array) -> float:
     """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U = ``shares``."""
     after = solve_triangular(np.eye(reward.size) - shares, reward, unit_diagonal=True, check_finite=False)
     return float(after[0])
-
-
-def _given_pivots(work: Array, pivot: Array) -> None:
-    """Eliminate with known pivots, in place: U stands above the diagonal afterwards."""
-    for high in range(pivot.size, 0, -_TOGETHER):
-        low = max(0, high - _TOGETHER)
-        for k in range(high - 1, low - 1, -1):
-            work[:k, k] /= pivot[k]
-            work[:k, low:k] += np.multiply.outer(work[:k, k], work[k, low:k])
-            work[low:k, :low] += np.multiply.outer(work[low:k, k], work[k, :low])
-        work[:low, :low] += work[:low, low:high] @ work[low:high, :low]
 
 
 def _log_leaving(moves: Array, out: Array) -> Array:
@@ -269,14 +259,6 @@ def _log_leaving(moves: Array, out: Array) -> Array:
 # -- logarithms of chances -----------------------------------------------------------------------------------
 
 
-def _log_kick(chain: KilledChain, gap: Array) -> Array:
-    """ln of the noise's density at gaps, but for its height; on the circle from the two nearest images."""
-    sigma, near = chain.noise.variance**0.5, chain.distance(gap)
-    if chain.lifted:
-        return np.asarray(-0.5 * (near / sigma) ** 2)
-    return np.asarray(np.logaddexp(-0.5 * (near / sigma) ** 2, -0.5 * ((TWO_PI - near) / sigma) ** 2))
-
-
 def _log_transitions(chain: KilledChain) -> Array:
     """(n, n): ln of the chances of going from node to node."""
     sigma, gap = chain.noise.variance**0.5, chain.theta - chain.images[:, None]
@@ -294,14 +276,10 @@ def _log_departures(chain: KilledChain) -> Array:
         return np.asarray(
             np.logaddexp(log_ndtr((chain.images - end) / sigma), log_ndtr((start - chain.images) / sigma))
         )
-    low = np.mod(end - chain.images, TWO_PI)
-    exits = [_log_between((low + turn) / sigma, (low + turn + start + TWO_PI - end) / sigma) for turn in _TURNS]
-    return np.asarray(np.logaddexp.reduce(exits, axis=0))
-
-
-def _log_between(low: Array, high: Array) -> Array:
-    """ln P(low < ξ < high) for standard normal ξ, without cancellation where it is small."""
+    low = np.mod(end - chain.images, TWO_PI) + _TURNS[:, None]
+    high = low + start + TWO_PI - end
+    # P(low < ξ < high) for each turn, without cancellation where it is small.
     mirrored = low + high < 0.0
     near, far = np.where(mirrored, -high, low), np.where(mirrored, -low, high)
-    most = log_ndtr(-near)
-    return np.asarray(most + np.log1p(-np.exp(log_ndtr(-far) - most)))
+    most = log_ndtr(-near / sigma)
+    return np.asarray(np.logaddexp.reduce(most + np.log1p(-np.exp(log_ndtr(-far / sigma) - most)), axis=0))

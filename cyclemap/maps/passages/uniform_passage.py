@@ -68,7 +68,7 @@ class Reach:
         target or the basin so far. A domain that takes more than 3000 cycles to cross (a gap that opens by less
         than about 1e-6 of its width) is left as it is then: chances there are below 1e-300.
         """
-        found = self.before(target, _none(target.wrapped))
+        found = self.before(target, Intervals(np.zeros(0), np.zeros(0), target.wrapped))
         for _ in range(_CYCLES):
             more = self.before(target, found)
             if more.length <= found.length + _GROWTH:
@@ -78,7 +78,8 @@ class Reach:
 
     def ahead(self, start: float) -> Intervals:
         """A part of the domain, and little more than need be, that paths from ``start`` stay in until they leave it."""
-        found = self._after(np.array([start]), np.array([start]), _WIDER, _none(self.domain.wrapped))
+        nothing = Intervals(np.zeros(0), np.zeros(0), self.domain.wrapped)
+        found = self._after(np.array([start]), np.array([start]), _WIDER, nothing)
         for _ in range(_CYCLES_AHEAD):
             if found.length == 0.0:
                 return found
@@ -105,7 +106,10 @@ class Reach:
     def before(self, target: Intervals, basin: Intervals) -> Intervals:
         """The part of the domain whose next positions meet ``target`` or ``basin``."""
         wanted = Intervals(np.append(target.start, basin.start), np.append(target.end, basin.end), target.wrapped)
-        pieces = self._pieces(wanted)
+        # On each of the pieces all next positions meet the same of the intervals.
+        ends = np.concatenate([wanted.start, wanted.end])
+        levels = np.concatenate([ends + self.halfwidth, ends - self.halfwidth])
+        pieces = self.cut(self.preimages(levels[np.isfinite(levels)]))
         middle = self.map(0.5 * (pieces[1:] + pieces[:-1]))
         inside = self.domain.hold(0.5 * (pieces[1:] + pieces[:-1]))
         meets = inside & wanted.overlaps(middle - self.halfwidth, middle + self.halfwidth)
@@ -118,12 +122,6 @@ class Reach:
         kept = self.domain.hold(middle) & ~part.hold(middle) & (np.diff(pieces) > _GROWTH)
         return _joined(pieces, kept, self.domain.wrapped)
 
-    def _pieces(self, wanted: Intervals) -> Array:
-        """Ends of pieces of the domain on each of which all next positions meet the same of the intervals."""
-        ends = np.concatenate([wanted.start + self.halfwidth, wanted.start - self.halfwidth])
-        ends = np.concatenate([ends, wanted.end + self.halfwidth, wanted.end - self.halfwidth])
-        return self.cut(self.preimages(ends[np.isfinite(ends)]))
-
     def preimages(self, levels: Array) -> Array:
         """Angles of [0, 2π) whose images, up to whole turns, are among ``levels``; F's breaks with them."""
         steps = level_steps(self.map, self.cells, np.mod(levels, TWO_PI))
@@ -135,10 +133,6 @@ class Reach:
         first = low + np.mod(theta - low, TWO_PI)
         inner = np.concatenate([self.domain.start, self.domain.end, first, np.mod(theta, TWO_PI)])
         return np.unique(inner[(inner >= low) & (inner <= high)])
-
-
-def _none(wrapped: bool) -> Intervals:
-    return Intervals(np.zeros(0), np.zeros(0), wrapped)
 
 
 def _joined(pieces: Array, keep: Mask, wrapped: bool) -> Intervals:
@@ -307,7 +301,11 @@ class _Chain:
     @cached_property
     def _solutions(self) -> Array:
         images = self.map(self.panels.nodes)
-        system = np.eye(self.panels.size) - self.panels.coefficients(self._rows(images))
+        count, (at, turns) = images.size, self._ends(images)
+        sign = np.repeat([1.0, -1.0], count)
+        theta = np.append(at, np.full(2 * count, self.panels.end[-1]))
+        sums = self.panels.integral_matrix(theta, np.append(sign, sign * turns), np.tile(np.arange(count), 4), count)
+        system = np.eye(self.panels.size) - self.panels.coefficients(sums / (2.0 * self.halfwidth))
         right = self.panels.coefficients(np.stack([self.source(images), np.ones_like(images)], axis=1))
         factors, pivots, failed = lapack.dgetrf(system)
         if failed:
@@ -323,15 +321,6 @@ class _Chain:
         origin = self.panels.start[0]
         turns = np.floor((at - origin) / TWO_PI) if self.wrapped else np.zeros_like(at)
         return at - TWO_PI * turns, turns
-
-    def _rows(self, images: Array) -> Array:
-        count = images.size
-        at, turns = self._ends(images)
-        sign = np.repeat([1.0, -1.0], count)
-        theta = np.append(at, np.full(2 * count, self.panels.end[-1]))
-        row = np.tile(np.arange(count), 4)
-        sums = self.panels.integral_matrix(theta, np.append(sign, sign * turns), row, count)
-        return sums / (2.0 * self.halfwidth)
 
     def carried(self, law: Array, images: Array) -> Array:
         """K f where F is ``images``."""

@@ -318,7 +318,7 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
     def winding(n: float) -> float:
         """The rotation number without its bound, which costs several times as much."""
         operator = transfer_operator(drifting.at(n), noise)
-        theta, weight = operator.discretisation.rule()
+        theta, weight = operator.discretisation.rule
         return float((weight * operator.density(theta)) @ operator.map.turn(theta)) / TWO_PI
 
     turns = _summed(winding, drifting, count)

@@ -192,16 +192,6 @@ def test_paths_that_a_trap_swallows_count_for_neither_arc():
     assert 0.2 < sum(chances) < 0.35
 
 
-@pytest.mark.slow
-def test_more_panels_tighten_the_bound_and_stay_within_it():
-    def chance(panels):
-        return uniform_hitting_probability(STICKY, UniformNoise(0.7), 2.6, (1.5, 2.0), (-0.2, 0.1), max_panels=panels)
-
-    coarse, fine = chance(24), chance(64)
-    assert abs(coarse - fine) <= coarse.error_bound + fine.error_bound
-    assert fine.error_bound < 1e-3 * coarse.error_bound
-
-
 # -- sets ----------------------------------------------------------------------------------------------------
 
 
@@ -220,10 +210,3 @@ def test_a_trap_ends_where_the_extreme_steps_have_fixed_points():
     np.testing.assert_allclose(basin.end, [3.0], atol=1e-12)
     trap = reach.without(basin)
     np.testing.assert_allclose([trap.start[0], trap.end[0]], [0.0, repelling], atol=1e-8)
-
-
-def test_overlaps_are_counted_on_any_turn():
-    part = Intervals(np.array([1.0, 5.0]), np.array([2.0, 7.0]), True)
-    low = np.array([2.1, 1.9, 0.8, 1.5 + 40 * np.pi, 2.0, 4.9 - 60 * np.pi])
-    np.testing.assert_array_equal(part.overlaps(low, low + 0.15), [False, True, False, True, False, True])
-    assert not np.any(Intervals(part.start, part.end, False).overlaps(low[3:4], low[3:4] + 0.15))
