@@ -97,9 +97,6 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     legend_above(axes)
 
 
-# -- basins ------------------------------------------------------------------------------------------------
-
-
 def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     """A band for every basin, its immediate part hatched, its stable points as dots; the share of none is told."""
     degree_axis(axes, THETA)
@@ -135,9 +132,6 @@ def _bars(arcs: Array) -> list[tuple[float, float]]:
         if last > 360.0:
             bars.append((0.0, last - 360.0))
     return bars
-
-
-# -- over a parameter --------------------------------------------------------------------------------------
 
 
 def branch_curves(branch: OrbitBranch) -> list[tuple[bool, Curve]]:

@@ -23,9 +23,6 @@ NAMED_WIDTH = 0.012
 CLOSE_NAMES = 0.045
 
 
-# -- over a plane ------------------------------------------------------------------------------------------
-
-
 def draw_rotation_plane(
     axes: Axes,
     plane: RotationPlane,
@@ -106,9 +103,6 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True))
 
 
-# -- over one parameter ------------------------------------------------------------------------------------
-
-
 def draw_rotation_numbers(axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter") -> None:
     """Rotation numbers (m,) over `parameter` (m,), the band that encloses them, and the plateaus by name."""
     widest = float(np.max(numbers.upper - numbers.lower))
@@ -129,9 +123,6 @@ def draw_rotation_numbers(axes: Axes, parameter: Array, numbers: RotationNumbers
             ratio = Fraction(int(numbers.winding[first]), int(numbers.period[first]))
             name_beside_path(axes, low, high, value, ratio_name(ratio), bool(rises))
     legend_above(axes)
-
-
-# -- Arnold tongues ----------------------------------------------------------------------------------------
 
 
 def draw_tongues(

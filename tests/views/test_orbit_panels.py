@@ -111,9 +111,6 @@ def test_density_whose_parts_are_never_connected_says_so() -> None:
     assert legend_words(axes)[0] == "stationary density, shares of its parts unknown"
 
 
-# -- basins ------------------------------------------------------------------------------------------------
-
-
 def bars(collection) -> list[tuple[float, float]]:
     """(low, high) of every bar, in the order drawn."""
     return [(float(path.vertices[:, 0].min()), float(path.vertices[:, 0].max())) for path in collection.get_paths()]
@@ -144,9 +141,6 @@ def test_map_without_stable_orbits_says_so() -> None:
     axes = panel()
     draw_basins(axes, basins(CircleMap.moebius(0.5, 0.3), max_period=2))
     assert written(axes) == ["no stable orbit"]
-
-
-# -- over a parameter --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("period", "winding", "within"), [(1, 0, (-0.3, 0.3)), (2, 1, (0.4, 0.6))])

@@ -148,8 +148,6 @@ class BranchWalk:
                 return rolled if heading @ direction > 0.5 else None
         return None
 
-    # -- breaks ----------------------------------------------------------------------------------------------
-
     def _crossed(self, theta: Array, state: OrbitState | None) -> tuple[int, int, float] | None:
         if self.last.member.breaks.size == 0:
             return None

@@ -84,9 +84,6 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
     return function(theta, *values)
 
 
-# -- textbook families -------------------------------------------------------------------------------------
-
-
 def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
     image = K * np.sin(theta)
     np.subtract(theta, image, out=image)
@@ -164,9 +161,6 @@ def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
     if side > 0:
         return np.asarray(circle_map.right(theta) - SIDE_STEP * circle_map.right_derivative(theta))
     return np.asarray(circle_map.left(theta) + SIDE_STEP * circle_map.left_derivative(theta))
-
-
-# -- how a lift moves with the parameter -----------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

@@ -241,9 +241,6 @@ def _from_slopes(errors: Array, stretch: Array) -> float:
     return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
 
 
-# -- periodic attractors -------------------------------------------------------------------------------------
-
-
 def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:
     """The points of the period's orbit nearest to ``start``, by Newton's method, if it attracts ``start``."""
     theta = start

@@ -228,9 +228,6 @@ class Bifurcation:
         return not self.jump and (self.multiplier - 1.0) * (self.left_multiplier - 1.0) < 0.0
 
 
-# -- multiplier ±1 ---------------------------------------------------------------------------------------------
-
-
 def smooth_bifurcation(
     equations: OrbitEquations, before: OrbitState, after: OrbitState, direction: Array, target: float
 ) -> tuple[OrbitState, Bifurcation]:

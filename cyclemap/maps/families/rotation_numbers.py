@@ -126,9 +126,6 @@ def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, w
     return lower, upper
 
 
-# -- one piece of the parameters ---------------------------------------------------------------------------
-
-
 @dataclass
 class _Orbits:
     """Maps still at work, m of them: the orbit of F - e (row 0) and of F + e (row 1), and their bounds so far.

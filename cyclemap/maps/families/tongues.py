@@ -105,9 +105,6 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     return found
 
 
-# -- the edge ------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Edge:
     """An edge of a tongue: the parameter, a bound on its error, the angle of its orbit, whether the map folds."""
@@ -352,9 +349,6 @@ def rotation_ratio(ratio: Any) -> Fraction:
     if q < 1 or gcd(p, q) != 1:
         raise InvalidInput(f"ratio is {p}/{q}: give p/q in lowest terms with q of at least 1")
     return Fraction(p, q)
-
-
-# -- over a second parameter -----------------------------------------------------------------------------------
 
 
 def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Range) -> TongueBoundaries:

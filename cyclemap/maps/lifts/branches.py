@@ -176,9 +176,6 @@ def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
     return np.where(direction == _UNKNOWN, 0, direction)
 
 
-# -- preimages ---------------------------------------------------------------------------------------------
-
-
 def preimages(circle_map: CircleMap, angle: float) -> Array:
     """All θ in [0, 2π) with F(θ) = angle mod 2π, sorted, each once: shape (n,), radians.
 

@@ -134,8 +134,6 @@ class CircleMap:
         caption = f"{self!r}: turn of a cycle (rad) over θ from 0 to 2π"
         return inline_svg(map_strokes(theta, self.turn(theta), self.breaks), caption)
 
-    # -- values --------------------------------------------------------------------------------------------
-
     def __call__(self, theta: Any) -> Array:
         """The lift F(θ); ``theta`` in radians, any shape, any real numbers."""
         return self._lift(np.asarray(theta, dtype=np.float64))
@@ -193,8 +191,6 @@ class CircleMap:
             return self._scalar
         lift = self._lift
         return lambda theta: float(lift(np.asarray(theta)))
-
-    # -- constructors --------------------------------------------------------------------------------------
 
     @classmethod
     def with_scalar(cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any) -> CircleMap:

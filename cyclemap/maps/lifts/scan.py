@@ -47,19 +47,14 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
         a, fa = x, fx
         answer[index] = np.where(np.abs(fa) < np.abs(fb), a, b)
         reach = _CLOSE * (np.abs(a) + 1e-3) / np.maximum(np.abs(b - a), 1e-300)
-        share = np.clip(_next_share(a, b, c, fa, fb, fc), reach, 1.0 - reach)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
+            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        share = np.clip(np.where(trusted & np.isfinite(share), share, 0.5), reach, 1.0 - reach)
         go = (reach < 0.5) & (fa != 0.0)
         index, a, b, fa, fb, share = index[go], a[go], b[go], fa[go], fb[go], share[go]
     return answer
-
-
-def _next_share(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -> Array:
-    """Where in [a, b] to look next: by inverse quadratic interpolation where it can be trusted, else the middle."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-        trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-        share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
-    return np.where(trusted & np.isfinite(share), share, 0.5)
 
 
 INSET = 1e-12  # radians: how far beside a break of an iterate its one-sided values are read
@@ -166,9 +161,6 @@ _LEVELS_AT_ONCE = 2_048
 _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
 
 
-# -- cells -------------------------------------------------------------------------------------------------
-
-
 def monotone_cells(
     circle_map: CircleMap, period: int, shift: float, resolution: int, marks: Sequence[float] = ()
 ) -> Cells:
@@ -206,7 +198,22 @@ def monotone_cells(
                     f"the lift jumps by {rise[place]:.6g} radians at θ = {found.start[place]:.12g}, which is none of "
                     "its breaks: give it in breaks"
                 )
-            return _split_at_extrema(circle_map, found)
+            turning = np.flatnonzero(found.slope_start * found.slope_end < 0.0)
+            if turning.size == 0:
+                return found
+            inner_start, inner_end = (ends[turning] for ends in found.inner())
+            theta = bracketed_root(lambda x, _: iterate_slope(circle_map, x, period) - shift, inner_start, inner_end)
+            g, flat, after = iterate(circle_map, theta, period) - shift * theta, np.zeros(theta.size), turning + 1
+            return replace(
+                found,
+                start=np.insert(found.start, after, theta),
+                end=np.insert(found.end, turning, theta),
+                g_start=np.insert(found.g_start, after, g),
+                g_end=np.insert(found.g_end, turning, g),
+                slope_start=np.insert(found.slope_start, after, flat),
+                slope_end=np.insert(found.slope_end, turning, flat),
+                cut=np.insert(found.cut, after, False),
+            )
         share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
         cut, cut_end = cut[owner] & first, cut_end[owner] & last
         low, step = start[owner], (end - start)[owner]
@@ -313,34 +320,6 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
         least = a - bend * vertex * vertex
     turns_twice = (a * b > 0.0) & (vertex > 0.0) & (vertex < 1.0) & (least * a < 0.0) & (np.abs(least) > nothing)
     return np.asarray((misfit > _MISFIT * steepest + nothing) | turns_twice)
-
-
-def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
-    turning = np.flatnonzero(cells.slope_start * cells.slope_end < 0.0)
-    if turning.size == 0:
-        return cells
-    inner_start, inner_end = cells.inner()
-    theta = bracketed_root(
-        lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, inner_start[turning], inner_end[turning]
-    )
-    g = iterate(circle_map, theta, cells.period) - cells.shift * theta
-    flat = np.zeros_like(g)
-    after = turning + 1
-    return Cells(
-        np.insert(cells.start, after, theta),
-        np.insert(cells.end, turning, theta),
-        np.insert(cells.g_start, after, g),
-        np.insert(cells.g_end, turning, g),
-        np.insert(cells.slope_start, after, flat),
-        np.insert(cells.slope_end, turning, flat),
-        np.insert(cells.cut, after, False),
-        cells.period,
-        cells.shift,
-        cells.degree,
-    )
-
-
-# -- roots -------------------------------------------------------------------------------------------------
 
 
 def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:

@@ -118,8 +118,6 @@ class VonMises:
         """∫ x² density dx over [-π, π]."""
         return 2.0 * float(self._half_integral(0.0, np.pi, np.square))
 
-    # -- Fourier coefficients ------------------------------------------------------------------------------
-
     def coefficients(self, m: Any) -> Array:
         """κ_m = I_m(κ)/I₀(κ); beyond κ = 1e8 from Debye's expansion, exp(-(m²/2κ)(1 + 1/2κ) + m⁴/24κ³)."""
         from scipy.special import i0e, ive  # slow to import for those who ask for another noise
@@ -135,8 +133,6 @@ class VonMises:
         middle = m + 0.5
         ratio_gap = np.hypot(self.kappa, middle) + middle - self.kappa
         return float(self.coefficients(m) * self.kappa / ratio_gap)
-
-    # -- densities -----------------------------------------------------------------------------------------
 
     def density(self, x: Any) -> Array:
         """Density on the circle, per radian."""
@@ -156,8 +152,6 @@ class VonMises:
     def line_slope(self, x: Any) -> Array:
         """d/dx of ``line_density`` inside (-π, π), else 0."""
         return np.asarray(np.where(np.abs(x) <= np.pi, self.slope(x), 0.0))
-
-    # -- probabilities -------------------------------------------------------------------------------------
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""

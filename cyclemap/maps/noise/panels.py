@@ -133,8 +133,6 @@ class Panels:
         rows[np.arange(panel.size), panel] = values
         return rows.reshape(panel.size, self.size)
 
-    # -- integrals -----------------------------------------------------------------------------------------
-
     @cached_property
     def mass(self) -> Array:
         """(size,): the integral of every basis function."""

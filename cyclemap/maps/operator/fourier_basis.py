@@ -94,8 +94,6 @@ class FourierDiscretisation:
         if whole_number("modes", self.modes, least=1) > MAX_MODES:
             raise InvalidInput(f"modes is {self.modes}: at most {MAX_MODES} Fourier modes can be kept")
 
-    # -- the basis -----------------------------------------------------------------------------------------
-
     @property
     def size(self) -> int:
         """2·modes + 1."""
@@ -146,8 +144,6 @@ class FourierDiscretisation:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as smooth as F."""
         return circle_rule(self.map, self.modes, self.finer)
 
-    # -- one cycle -----------------------------------------------------------------------------------------
-
     @cached_property
     def kappa(self) -> Array:
         """(n,): the noise's coefficient of every basis function."""
@@ -189,8 +185,6 @@ class FourierDiscretisation:
         moments = np.sum([after @ _times(weight[part], density[part]) for part, after in self._after], axis=0)
         return _times(self.kappa, moments)
 
-    # -- accuracy ------------------------------------------------------------------------------------------
-
     def refined(self) -> FourierDiscretisation:
         """The same with every mode that the noise lets through and twice as many nodes: for residuals."""
         return FourierDiscretisation(self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer)
@@ -210,8 +204,6 @@ class FourierDiscretisation:
         _, weight = self.rule
         rounding = MATRIX * float(np.linalg.norm(self.kappa))
         return (self.noise.tail(self.modes) + rounding) * float(np.dot(weight, np.abs(density)))
-
-    # -- inside --------------------------------------------------------------------------------------------
 
     def _turned(self, rows: Any) -> Any:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""

@@ -133,8 +133,6 @@ class TransferOperator:
         """Fourier modes on each side; for other bases half the number of functions."""
         return self.discretisation.size // 2
 
-    # -- the stationary law --------------------------------------------------------------------------------
-
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
         angles = finite_array("theta", theta)
@@ -226,8 +224,6 @@ class TransferOperator:
 
         return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
 
-    # -- the spectrum --------------------------------------------------------------------------------------
-
     def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
 
@@ -252,8 +248,6 @@ class TransferOperator:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
         return mixing_time(self._second)
 
-    # -- passages ------------------------------------------------------------------------------------------
-
     def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
         """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage_times``."""
         return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
@@ -261,8 +255,6 @@ class TransferOperator:
     def hitting_probability(self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]) -> Estimate:
         """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage_times``."""
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
-
-    # -- inside --------------------------------------------------------------------------------------------
 
     @cached_property
     def _system(self) -> BorderedSystem:

@@ -147,8 +147,6 @@ class UniformDiscretisation:
         """Nodes and weights over one turn, on panels cut at F's breaks and samples and where F is steep."""
         return self.panels.rule(resolving_cuts(self.map, self.panels), ORDER + 8)
 
-    # -- how good it is ------------------------------------------------------------------------------------
-
     def refined(self) -> UniformDiscretisation:
         """The same with every panel cut in two: what changes by it was not resolved."""
         return replace(self, panels=self.panels.halved())

@@ -247,9 +247,6 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
     return _Budget(count, longest, non_negative_number("tolerance", tolerance))
 
 
-# -- nondecreasing lifts -----------------------------------------------------------------------------------
-
-
 def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
     # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
     push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
@@ -328,7 +325,12 @@ def _locking_proof(
     beside = np.concatenate([-_REACH, [0.0], _REACH])
     start, before = np.array([near]).T + beside, np.full(2, -1e9)
     for _ in range(_ZOOMS):
-        wanted = side * _gap(circle_map, ratio, -side * push, start)
+        theta, turns = start, np.zeros(start.shape)
+        for _ in range(ratio.denominator):
+            image = circle_map(theta) - side * push
+            lap = np.floor(image / TWO_PI)
+            theta, turns = image - TWO_PI * lap, turns + lap
+        wanted = side * ((theta - start) + TWO_PI * (turns - ratio.numerator))
         best, most = np.argmax(wanted, axis=1), np.max(wanted, axis=1)
         if np.all(most > _MARGIN):
             above, below = start[[0, 1], best].tolist()
@@ -341,24 +343,11 @@ def _locking_proof(
     return None
 
 
-def _gap(circle_map: CircleMap, ratio: Fraction, pushes: Array, start: Array) -> Array:
-    """F^q(θ) - θ - 2πp of F + push, one push a row, radians."""
-    theta, turns = start, np.zeros(start.shape)
-    for _ in range(ratio.denominator):
-        image = circle_map(theta) + pushes
-        lap = np.floor(image / TWO_PI)
-        theta, turns = image - TWO_PI * lap, turns + lap
-    return np.asarray((theta - start) + TWO_PI * (turns - ratio.numerator))
-
-
 def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) -> RotationNumber:
     mean = birkhoff_average(circle_map, iterates=iterates)
     estimate = Estimate(mean / TWO_PI, mean.error_bound / TWO_PI)
     value = float(estimate) if lower <= estimate <= upper else 0.5 * (lower + upper)
     return RotationNumber(value, lower, upper, None, None, estimate)
-
-
-# -- fractions ---------------------------------------------------------------------------------------------
 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:

@@ -80,8 +80,23 @@ def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = 
     for d in range(1, n):  # left out where a divisor of the period comes at least as near
         angle = np.mod(circle_map(angle), TWO_PI)
         near &= (n % d != 0) | (np.abs(shorter_way(angle - theta)) > np.abs(gap))
-    passages = [_passage(circle_map, n, *place) for place in zip(theta[near], whole[near], gap[near], strict=True)]
-    return [passage for passage in passages if passage and passage.passage_cycles >= LEAST_CYCLES]
+    passages = []
+    for place, w, least in zip(theta[near].tolist(), whole[near].tolist(), gap[near].tolist(), strict=True):
+        # Half the second derivative: fourth-order differences of the slope, twice, at a step that suits the map.
+        tried, step = [], _STEP
+        for _ in range(6):
+            nodes = place + step * np.array([-2.0, -1.0, 1.0, 2.0])
+            slope = displacement(circle_map, nodes, n, np.zeros(4, dtype=np.int64))[1]
+            tried.append(float(slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step))
+            step *= 0.25
+        curvature = tried[int(np.argmin(np.abs(np.diff(tried)))) + 1]
+        if curvature * least <= 0.0 or n * np.pi / np.sqrt(curvature * least) < LEAST_CYCLES:
+            continue  # too flat for a parabola, or too quick
+        width, cycles = float(np.sqrt(least / curvature)), float(n * np.pi / np.sqrt(curvature * least))
+        error = _relative_error(circle_map, n, place, w, width, least, curvature)
+        way = 1 if least > 0.0 else -1
+        passages.append(SlowPassage(place, w, n, least, curvature, width, cycles, way, error))
+    return passages
 
 
 def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Whole, Array]:
@@ -98,29 +113,6 @@ def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tup
     mean = np.array([np.dot(weight, np.abs(middle - TWO_PI * w)) for w in whole])
     keep = (np.where(least, gap, -gap) > 0.0) & (np.abs(gap) <= _SHARE * mean)
     return theta[keep], whole[keep], gap[keep]
-
-
-def _passage(circle_map: CircleMap, period: int, theta: float, whole: int, gap: float) -> SlowPassage | None:
-    """The passage at one extremum, or None where the curve is too flat for a parabola."""
-    curvature = _curvature(circle_map, period, float(theta))
-    if not curvature * gap > 0.0:
-        return None
-    width, cycles = float(np.sqrt(gap / curvature)), float(period * np.pi / np.sqrt(curvature * gap))
-    error = _relative_error(circle_map, period, float(theta), int(whole), width, float(gap), curvature)
-    direction = 1 if gap > 0.0 else -1
-    return SlowPassage(float(theta), int(whole), period, float(gap), curvature, width, cycles, direction, error)
-
-
-def _curvature(circle_map: CircleMap, period: int, theta: float) -> float:
-    """Half the second derivative of Fⁿ: fourth-order differences of its slope, twice, at a step that suits the map."""
-    found, step = [], _STEP
-    for _ in range(6):
-        nodes = theta + step * np.array([-2.0, -1.0, 1.0, 2.0])
-        slope = displacement(circle_map, nodes, period, np.zeros(4, dtype=np.int64))[1]
-        found.append(float(slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step))
-        step *= 0.25
-    changes = np.abs(np.diff(found))
-    return found[int(np.argmin(changes)) + 1]
 
 
 def _relative_error(

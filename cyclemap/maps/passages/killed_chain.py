@@ -235,8 +235,6 @@ class KilledChain:
         theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
         return replace(self, theta=theta, weight=weight)
 
-    # -- chances and their slopes --------------------------------------------------------------------------
-
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
@@ -260,8 +258,6 @@ class KilledChain:
         law = self.noise.line_density if self.lifted else self.noise.density
         ends = [(law(low - images), law(high - images)) for low, high in self.exits]
         return np.array([at_low - at_high for at_low, at_high in ends])
-
-    # -- expectations --------------------------------------------------------------------------------------
 
     def expected(self, each: float, at: Array) -> Expectation:
         """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on leaving by exit e."""

@@ -256,9 +256,6 @@ def _log_leaving(moves: Array, out: Array) -> Array:
     )
 
 
-# -- logarithms of chances -----------------------------------------------------------------------------------
-
-
 def _log_transitions(chain: KilledChain) -> Array:
     """(n, n): ln of the chances of going from node to node."""
     sigma, gap = chain.noise.variance**0.5, chain.theta - chain.images[:, None]

@@ -274,9 +274,6 @@ def _meets(reach: Reach, start: float, part: Intervals) -> bool:
     return bool(part.overlaps(image - reach.halfwidth, image + reach.halfwidth)[0])
 
 
-# -- the equation f = source(F) + K f ------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class _Chain:
     """K f(x) = the integral of f over the panels within h of F(x), over 2h; ``source`` a function of F(x)."""

@@ -147,9 +147,6 @@ def predict_staircase(
     return StaircaseSummary(mean_turn, Estimate(mean, bound), TWO_PI / len(zones), zones)
 
 
-# -- zones round what attracts -------------------------------------------------------------------------------
-
-
 def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
     points, jumps = fixed_points(circle_map), crossings_by_jump(circle_map)
     centres = [(float(p.points[0]), p.winding, "stable") for p in points if p.stable]
@@ -164,9 +161,6 @@ def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
         residence = mean_passage_time(shifted(circle_map, -winding), noise, centre, arc, lifted=whole)
         zones.append(SlowZone(centre, arc, kind, residence, winding))
     return zones
-
-
-# -- ghosts ----------------------------------------------------------------------------------------------------
 
 
 def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> list[SlowZone]:
@@ -193,9 +187,6 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
         centre = float((begin + step * slowest) % TWO_PI)
         zones.append(SlowZone(centre, (start, end), "ghost", residence, winding))
     return sorted(zones, key=lambda zone: zone.centre)
-
-
-# -- visits of the stationary path -----------------------------------------------------------------------------
 
 
 def _with_visits(zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator) -> SlowZone:
@@ -252,9 +243,6 @@ def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
     chance = lu_solve(factors, out)
     length = lu_solve(factors, chance)
     return chance, length, lu_solve(factors, chance + 2.0 * (kernel @ length))
-
-
-# -- slow wear -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

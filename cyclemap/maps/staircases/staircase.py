@@ -23,9 +23,6 @@ _CHUNK = 65_536  # cycles followed at a time
 _DRAWS = 1 << 18  # noise draws made at a time for many paths
 
 
-# -- maps that change from cycle to cycle --------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class Stretch:
     """Cycles first, ..., last - 1, in which F_n = (1 - share) before + share after; ``share`` has one entry a cycle."""
@@ -131,9 +128,6 @@ class DriftingMap:
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
 
 
-# -- families as blends -----------------------------------------------------------------------------------------
-
-
 def _scheduled(family: Callable[[Any], CircleMap], schedule: Any, count: int) -> Callable[[int], CircleMap]:
     if not callable(family):
         raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
@@ -177,9 +171,6 @@ def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
         breaks=np.union1d(before.breaks, after.breaks),
         max_error=rest * before.max_error + share * after.max_error,
     ).remade_by(_blended, before, after, share)
-
-
-# -- noise as robots have it -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -229,9 +220,6 @@ class LocalNoise:
         for n in range(shape[0]):
             last = z[n] = rho * last + math.sqrt(1.0 - rho**2) * fresh[n]
         return z
-
-
-# -- paths ---------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

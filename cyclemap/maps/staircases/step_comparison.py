@@ -145,9 +145,6 @@ def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[
     return float(np.sum(pieces)), float(np.sqrt(np.sum(terms))) if values.size > 1 else None
 
 
-# -- the number of steps -----------------------------------------------------------------------------------------
-
-
 def _numbers(steps: Steps, prediction: StaircaseSummary) -> tuple[float | None, float | None, float | None]:
     """Steps climbed by the whole path, steps expected, and the standard error of the difference."""
     if prediction.step is None:
@@ -165,9 +162,6 @@ def _numbers(steps: Steps, prediction: StaircaseSummary) -> tuple[float | None, 
 
 def _ratio(measured: float | None, predicted: float | None) -> float | None:
     return None if measured is None or predicted is None or not predicted > 0.0 else float(measured / predicted)
-
-
-# -- visits --------------------------------------------------------------------------------------------------------
 
 
 def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:

@@ -119,9 +119,6 @@ def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     return _best_window(path) if zones is None else _in_zones(path, tuple(zones))
 
 
-# -- without a model ---------------------------------------------------------------------------------------------
-
-
 def _best_window(path: Array) -> Steps:
     span = float(np.ptp(path))
     widest = min(_WIDEST, span / 8.0)
@@ -212,9 +209,6 @@ def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     level = np.array([path[a : b + 1].mean() for a, b in runs])
     dwell = np.cumsum(np.r_[0, np.abs(np.diff(level)) > 2.0 * window])[: start.size].astype(np.int64)
     return _gathered(path, start, end, dwell, np.full(start.size, -1), ())
-
-
-# -- with zones --------------------------------------------------------------------------------------------------
 
 
 def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:

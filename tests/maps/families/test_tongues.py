@@ -50,9 +50,6 @@ def exact_edge(K, ratio, omega, theta):
     return p, max(abs(g), abs(h))
 
 
-# -- closed forms and known digits ---------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("K", [0.05, 0.9, 1.0, 2.0, 4.0])
 def test_the_zero_tongue_of_the_sine_family_is_omega_at_most_K_over_two_pi_folded_or_not(K):
     found = tongue(arnold(K), 0, (-1.0, 1.0))
@@ -163,9 +160,6 @@ def test_a_kinked_family_has_the_edges_its_lines_give():
     assert found.width > 0.01
 
 
-# -- humps that samples miss -----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("a", [0.99, 0.9999, 0.999999])
 def test_a_fixed_point_where_the_map_is_steepest_is_not_missed(a):
     found = tongue(lambda omega: CircleMap.moebius(a, omega), 0, (-0.5, 0.6))
@@ -244,9 +238,6 @@ def test_a_kink_that_is_no_break_costs_no_more_than_the_bound():
     assert tongue(tent, 0, (-0.5, 0.6)).left.holds(-0.3 / TWO_PI)
 
 
-# -- theorems --------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("q", [1, 2, 3])
 def test_tongues_open_like_K_to_the_q(q):
@@ -315,9 +306,6 @@ def test_a_sampled_family_has_nearly_the_edges_of_the_family_it_samples():
     here, there = tongue(sampled, (1, 3), (0.0, 1.0)), tongue(arnold(0.9), (1, 3), (0.0, 1.0))
     assert abs(here.left - there.left) < 1e-9
     assert abs(here.right - there.right) < 1e-9
-
-
-# -- bad input -------------------------------------------------------------------------------------------------
 
 
 def test_bad_ratios_and_ranges_are_refused():

@@ -119,9 +119,6 @@ def test_a_value_outside_a_branch_is_refused_with_the_range():
         rising.inverse(np.nan)
 
 
-# -- preimages ---------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("degree", [2, 3, 7])
 def test_every_angle_has_as_many_preimages_as_the_degree_under_multiplication(degree):
     made = CircleMap.blaschke([0] * degree)

@@ -193,9 +193,6 @@ def test_a_tiny_negative_break_is_a_break_at_zero():
     assert CircleMap(lambda x: x, breaks=[-1e-17, TWO_PI, 2 * TWO_PI]).breaks.tolist() == [0.0]
 
 
-# -- one-sided limits of maps with many breaks ------------------------------------------------------------
-
-
 def test_one_sided_limits_at_many_breaks_are_those_of_the_two_neighbouring_steps():
     rng = np.random.default_rng(8)
     at = np.sort(rng.uniform(0, TWO_PI, 40))

@@ -92,9 +92,6 @@ def check_same(first, second, atol=1e-12):
     np.testing.assert_allclose([one(t) for t in x[::40]], second(x[::40]), rtol=0, atol=atol * scale)
 
 
-# -- composition -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("seed", range(14))
 def test_composition_is_associative_multiplies_degrees_and_is_one_map_after_the_other(seed):
     f, g, h = any_map(seed), any_map(3 * seed + 1), any_map(5 * seed + 2)
@@ -195,9 +192,6 @@ def test_the_claimed_error_of_a_composite_and_of_an_inverse_holds():
     assert len(ratios) == 18 and min(ratios) >= 1.0 and max(ratios) < 60.0
 
 
-# -- iterates ----------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("seed", range(14))
 def test_an_iterate_of_n_plus_m_is_one_after_the_other(seed):
     f = any_map(seed)
@@ -214,9 +208,6 @@ def test_an_iterate_of_the_doubling_map_is_exact_and_a_rotation_turns_n_times_as
     assert np.all(doubled.derivative(GRID) == 2.0**20) and doubled.degree == 2**20
     turned = nth_iterate(CircleMap.rigid(0.1), 1000)
     np.testing.assert_allclose(turned(GRID), GRID + 100 * TWO_PI, rtol=0, atol=3e-12)
-
-
-# -- conjugation, shift ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(14))
@@ -261,9 +252,6 @@ def test_bad_numbers_are_refused():
         shifted(f, 0.5)
     with pytest.raises(InvalidInput, match="angle must be a finite number"):
         conjugate(f, np.nan)
-
-
-# -- the Möbius group, expanding products ------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -100,9 +100,6 @@ def stationary(basis):
     return np.linalg.solve(bordered(basis), basis.uniform)
 
 
-# -- closed forms --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("h", [0.126, 0.9, 4.0, 7.5])
 def test_a_rotation_keeps_the_uniform_law_and_has_the_noises_coefficients_as_moduli(h):
     basis = uniform_discretisation(CircleMap.rigid(0.3), UniformNoise(h))
@@ -130,9 +127,6 @@ def test_a_map_that_is_constant_on_two_arcs_has_a_law_of_two_boxes():
     exact = weight * UniformNoise(h).density(x - 1.0) + (1 - weight) * UniformNoise(h).density(x - 3.0)
     np.testing.assert_allclose(basis.evaluate(x) @ law, exact, rtol=0, atol=1e-14)
     assert basis.residual(law) < 1e-12
-
-
-# -- other routes --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -191,9 +185,6 @@ def test_a_residual_tells_a_wrong_law():
     kappa = np.sin(0.5) / 0.5
     exact = abs(1 - kappa * np.exp(0.2j * np.pi)) / TWO_PI
     assert 1.99 * exact < basis.residual(wrong) < 2.01 * exact
-
-
-# -- the parts -----------------------------------------------------------------------------------------------
 
 
 def test_the_rule_and_the_moments_integrate_densities():

@@ -45,9 +45,6 @@ def inside(theta, ends):
     return np.mod(theta - ends[0], TWO_PI) <= ends[1] - ends[0]
 
 
-# -- passage times -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("h", [0.5, 0.47, 3.0])
 def test_a_walk_leaves_a_short_arc_with_the_same_chance_every_cycle(h):
     for start in (0.0, 0.13, 0.45):
@@ -130,9 +127,6 @@ def test_a_passage_beyond_double_precision_is_refused():
         uniform_passage_time(STICKY, UniformNoise(BARRIER + 0.02), 0.77, (0.0, 1.6))
 
 
-# -- hitting probabilities -----------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("circle_map", "h", "start", "a", "b"),
@@ -190,9 +184,6 @@ def test_paths_that_a_trap_swallows_count_for_neither_arc():
     for found, arc in zip(chances, arcs, strict=True):
         assert abs(found - np.mean(inside(last, arc))) < 4.5 * np.sqrt(found * (1 - found) / last.size)
     assert 0.2 < sum(chances) < 0.35
-
-
-# -- sets ----------------------------------------------------------------------------------------------------
 
 
 def test_a_trap_ends_where_the_extreme_steps_have_fixed_points():

@@ -143,9 +143,6 @@ def test_bad_requests_are_refused():
     assert kaplan_meier_mean([3.0], [True]) == (None, None)
 
 
-# -- the measured run on plywood ---------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def plywood(measured_data: Path):
     rows = np.genfromtxt(measured_data / "plywood_rect1_theta0_2000.csv", delimiter=",", names=True, dtype=None)
