@@ -216,16 +216,6 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
 
 
-def test_a_kink_that_is_no_break_costs_no_more_than_the_bound():
-    def tent(omega):
-        return CircleMap(
-            lambda x: x + TWO_PI * omega + 0.3 * (1 - np.abs(np.mod(x - 1 + np.pi, TWO_PI) - np.pi) / np.pi),
-            lambda x: 1 - 0.3 / np.pi * np.sign(np.mod(x - 1 + np.pi, TWO_PI) - np.pi),
-        )
-
-    assert tongue(tent, 0, (-0.5, 0.6)).left.holds(-0.3 / TWO_PI)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("q", [1, 2, 3])
 def test_tongues_open_like_K_to_the_q(q):

@@ -194,14 +194,6 @@ def test_an_iterate_of_n_plus_m_is_one_after_the_other(seed):
     assert nth_iterate(f, 3).degree == f.degree**3
 
 
-def test_an_iterate_of_the_doubling_map_is_exact_and_a_rotation_turns_n_times_as_far():
-    doubled = nth_iterate(CircleMap.blaschke([0, 0]), 20)
-    np.testing.assert_allclose(doubled(GRID), 2.0**20 * GRID, rtol=4e-16, atol=1e-8)
-    assert np.all(doubled.derivative(GRID) == 2.0**20) and doubled.degree == 2**20
-    turned = nth_iterate(CircleMap.rigid(0.1), 1000)
-    np.testing.assert_allclose(turned(GRID), GRID + 100 * TWO_PI, rtol=0, atol=3e-12)
-
-
 @pytest.mark.parametrize("seed", range(14))
 def test_conjugation_is_rotation_after_map_after_rotation_back(seed):
     f, angle = any_map(seed), [0.7, -2.5, 4.4, 9.0][seed % 4]
@@ -222,28 +214,6 @@ def test_a_shifted_lift_shifts_windings_and_nothing_else():
         assert up.samples == f.samples and up.scalar()(1.0) == pytest.approx(f.scalar()(1.0) + 3 * TWO_PI, abs=1e-13)
     windings = [p.winding for p in fixed_points(shifted(CircleMap.arnold(0.05, 0.9), -2))]
     assert windings == [-2, -2]
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_moebius_maps_are_a_group(seed):
-    """z → u(z - a)/(1 - conj(a) z): the product has its zero where the inner map meets the outer zero."""
-    rng = np.random.default_rng(seed)
-    a, b = rng.uniform(0, 0.8, 2) * np.exp(1j * rng.uniform(0, TWO_PI, 2))
-    s, t = rng.uniform(size=2)
-    u, v = np.exp(1j * TWO_PI * np.array([s, t]))
-    made = compose(CircleMap.blaschke([a], s), CircleMap.blaschke([b], t))
-    zero = (a + v * b) / (v + np.conj(b) * a)
-    turn = np.angle(u * (v * (1 - b) - a * (1 - np.conj(b))) / ((1 - np.conj(b)) - np.conj(a) * v * (1 - b)))
-    turn -= np.angle((1 - zero) / (1 - np.conj(zero)))
-    same = CircleMap.blaschke([zero], turn / TWO_PI)
-    lap = np.round((made(0.0) - same(0.0)) / TWO_PI)
-    check_same(made, shifted(same, int(lap)))
-    back = CircleMap.blaschke([-u * a], -s)
-    both = compose(CircleMap.blaschke([a], s), back)
-    np.testing.assert_allclose(np.mod(both(GRID) - GRID + np.pi, TWO_PI), np.pi, rtol=0, atol=1e-12)
-    inverted = inverse(CircleMap.blaschke([a], s))
-    lap = np.round((inverted(0.0) - back(0.0)) / TWO_PI)
-    check_same(inverted, shifted(back, int(lap)))
 
 
 @pytest.mark.slow

@@ -47,14 +47,6 @@ def test_a_bracket_without_a_sign_change_gives_its_end_nearer_to_zero():
     assert found.tolist() == [1.0, -1.0]
 
 
-def test_a_jump_and_a_flat_root_are_bracketed_to_rounding():
-    (jump,) = bracketed_root(lambda x, _: np.where(x < 0.3, -1.0, 2.0), np.array([0.0]), np.array([1.0]))
-    assert abs(jump - 0.3) < 1e-15
-    (flat,) = bracketed_root(lambda x, _: (x - 0.3) ** 9, np.array([0.0]), np.array([1.0]))
-    assert abs(flat - 0.3) < 1e-8
-    assert bracketed_root(lambda x, _: x, np.zeros(0), np.zeros(0)).size == 0
-
-
 @pytest.mark.parametrize("shift", [0.0, 1.0])
 def test_the_iterate_is_monotone_in_every_cell_and_the_cells_tile_the_turn(shift):
     folded = CircleMap.arnold(0.3, 3.0)
@@ -81,16 +73,6 @@ def test_turning_points_of_the_iterate_are_counted_by_the_chain_rule():
         assert np.count_nonzero(rising != np.roll(rising, 1)) == total
         generation = preimages(folded, once, generation)
     assert total > 30
-
-
-def test_preimages_invert_the_map_and_are_as_many_as_a_fine_grid_counts():
-    folded, levels = CircleMap.arnold(0.3, 3.0), np.array([0.1, 2.0, 4.5])
-    cells, grid = monotone_cells(folded, 1, 0.0, 512), np.linspace(0, TWO_PI, 100_001)
-    each = [preimages(folded, cells, levels[i : i + 1]) for i in range(3)]
-    np.testing.assert_array_equal(preimages(folded, cells, levels), np.concatenate(each))
-    for theta, level in zip(each, levels, strict=True):
-        assert np.max(np.abs(np.mod(folded(theta) - level + np.pi, TWO_PI) - np.pi)) < 1e-14
-        assert theta.size == np.count_nonzero(np.diff(np.floor((folded(grid) - level) / TWO_PI)))
 
 
 def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():

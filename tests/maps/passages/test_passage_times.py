@@ -140,13 +140,6 @@ def test_elimination_agrees_with_plain_solutions_and_blocks_change_nothing():
     np.testing.assert_allclose(chain.solve(reward), np.linalg.solve(plain, reward), rtol=1e-11)
 
 
-def test_lifted_and_wrapped_passages_agree_when_no_step_is_a_turn_long():
-    for arc in ((0.0, 1.5), (-2.0, 2.0)):
-        plain = mean_passage_time(STICKY, WrappedNormal(0.25), STABLE, arc)
-        lifted = mean_passage_time(STICKY, WrappedNormal(0.25), STABLE, arc, lifted=True)
-        assert abs(plain / lifted - 1) < 1e-9
-
-
 @pytest.mark.slow
 def test_hitting_probability_against_monte_carlo():
     noise, rng, paths = WrappedNormal(0.4), np.random.default_rng(10), 100_000
@@ -169,17 +162,6 @@ def test_tiny_hitting_probabilities_keep_their_digits():
     assert 1e-16 < rare < 1e-12
     assert rare.error_bound < 1e-11 * rare
     assert hitting_probability(two_wells(), noise, np.pi + 0.3, b, a).holds(1.0)
-
-
-def test_both_ends_of_an_arc_belong_to_it():
-    noise, checked = WrappedNormal(0.3), 0
-    for start in np.random.default_rng(1).uniform(-7, 7, 8):
-        arc = (start, start + 0.07)
-        for end in arc:
-            times = [mean_passage_time(STICKY, noise, end + shift, arc) for shift in (0.0, TWO_PI, -TWO_PI)]
-            np.testing.assert_allclose(times, times[0], rtol=1e-10)
-            checked += 1
-    assert checked == 16
 
 
 def test_a_map_with_a_jump_that_it_hides_is_not_certified():
