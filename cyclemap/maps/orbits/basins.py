@@ -52,20 +52,18 @@ def basins(
 ) -> tuple[Basin, ...]:
     """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
 
-    Immediate basins: with G the iterate (its square where the multiplier is not positive) that fixes a point p, the
-    arc around p grows from both ends for as long as G(x) lies between x and the arc's far end; it stops at
-    periodic points, at preimages of its other end and at jumps, solved to about 1e-13 radians/(slope - 1). Exact for
-    homeomorphisms; else G is looked at at its extrema, its breaks and 1,024 points between p and the next
-    points that G fixes.
-    Whole basins: preimages of the immediate ones under F, arc by arc (a preimage of an arc of the basin is one too:
-    nothing is found that does not belong, down to the ends' rounding), until the share ``left_over`` is undecided or
-    nothing new comes, the longest arcs first, none shorter than a thousandth of it, about ``max_arcs`` at most. Where
-    orbits wander long before they settle (a repeller nearly as thick as the circle) much may stay undecided.
-    A homeomorphism's basins are the immediate ones.
+    Immediate basins: with G the iterate (its square where the multiplier is not positive) that fixes a point p, the arc
+    around p grows from both ends for as long as G(x) lies between x and the arc's far end; it stops at periodic points,
+    at preimages of its other end and at jumps, solved to about 1e-13 radians/(slope - 1). Exact for homeomorphisms,
+    whose basins these are; else G is looked at at its extrema, its breaks and 1,024 points between p and the next
+    points that G fixes. Whole basins: preimages of the immediate ones under F, arc by arc, the longest first (nothing
+    is found that does not belong, down to the ends' rounding), until the share ``left_over`` is undecided or nothing
+    new comes, none shorter than a thousandth of it, about ``max_arcs`` at most. Where orbits wander long before they
+    settle much may stay undecided.
 
-    Saddle-nodes and neutral orbits, which may attract from one side or slowly, have no basin here; what tends
-    to them stays undecided. An attracting jump is no orbit: what it gathers belongs to the stable orbits around it.
-    Definitions: Devaney, An Introduction to Chaotic Dynamical Systems, 1.11; Milnor, Dynamics in One Complex Variable.
+    Saddle-nodes and neutral orbits have no basin here; what tends to them stays undecided. An attracting jump is no
+    orbit: what it gathers belongs to the stable orbits around it. (Devaney, An Introduction to Chaotic Dynamical
+    Systems, 1.11.)
 
     Raises InvalidInput for a bad request or where every point of an arc is periodic, ConvergenceError when the
     iterates up to ``max_period`` are too steep to scan.

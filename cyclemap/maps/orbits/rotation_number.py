@@ -164,25 +164,20 @@ def rotation_number(
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
-    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies
-    ρ ≥ p/n, and ≤ likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the
-    upper one of F + e. e adds up the map's ``max_error``, rounding, and what a lift taken as nondecreasing falls (≤
-    1e-12); by monotonicity no orbit of F lies below the one or above the other, so the bounds hold however F
-    amplifies errors, and they hold for every nondecreasing lift within ``max_error`` of F. About 1/iterates² wide
-    where ρ is irrational, F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being locked.
-
-    Proved, given that a computed image is F at an angle a few rounding units beside the one asked for, give or take
-    a few more: 4 units (8.9e-16) of 2π + max|F| in all. A lift that is computed worse must say so by
-    ``max_error``. Folds of F narrower than a tenth of a milliradian may pass unseen.
+    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies ρ ≥ p/n, and ≤
+    likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the upper one of F + e. e
+    adds up the map's ``max_error``, rounding (4 units of 2π + max|F|) and what a lift taken as nondecreasing falls (≤
+    1e-12); no orbit of F lies below the one or above the other, so the bounds hold however F amplifies errors, for
+    every nondecreasing lift within ``max_error`` of F. They are about 1/iterates² apart where ρ is irrational, F smooth
+    and max_error 0; 1/(q·iterates) where ρ is p/q without being locked. A lift that is computed worse must say so by
+    ``max_error``; folds narrower than a tenth of a milliradian may pass unseen.
 
     Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
-    with the two angles as ``proof``. At the very edge of a tongue the sides cannot be told apart: ``locked`` is
-    None and the bounds are wide. Otherwise ``estimate`` is ``birkhoff_average`` of the turn (near rounding for
-    smooth maps with Diophantine ρ), and ``value`` is the same where it lies inside the bounds.
+    with the two angles as ``proof``; at the very edge of a tongue the sides cannot be told apart. Otherwise
+    ``estimate`` is ``birkhoff_average`` of the turn, and ``value`` is the same where it lies inside the bounds.
 
-    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
-    ``rotation_interval``), ``estimate`` is that of the one orbit from θ = 0, and ``locked`` is set only when
-    the interval is one proved fraction.
+    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see ``rotation_interval``),
+    ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set only when the interval is one proved fraction.
 
     tolerance : turns a cycle; as soon as [lower, upper] is no wider than twice that, no further iterates are made.
 

@@ -50,16 +50,14 @@ class SlowPassage:
 def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = None) -> list[SlowPassage]:
     """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their orbits are gone.
 
-    A bottleneck is a local extremum of the move Fⁿ - id - 2πw that lies on its own side of zero (a least upward
-    or a least downward move), by more than 1e-12 radians (nearer it is a saddle-node, see
-    ``periodic_points``), such that
-    - the passage π/√(aε) takes at least 10 cycles of F in all, and
-    - |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle: elsewhere orbits are faster.
+    A bottleneck is a smooth local extremum of the move Fⁿ - id - 2πw on its own side of zero (a least upward or a least
+    downward move), by more than 1e-12 radians (nearer it is a saddle-node, see ``periodic_points``), whose passage
+    π/√(aε) takes at least 10 cycles of F in all, and whose |ε| is at most half the mean of |Fⁿ - id - 2πw| over the
+    circle.
     winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross.
-    A passage near an orbit of period n shows at each of its n points. Extrema where a divisor of n comes at least
-    as near are passages of that shorter period, and left out.
-    Extrema at kinks and jumps are left out: the parabola does not hold there (on a kink with slopes of the move
-    -s and t the passage takes about n(1/s + 1/t) ln(1/ε) cycles; no π/√(aε) applies).
+    A passage near an orbit of period n shows at each of its n points; those of a divisor of n are left out.
+    At kinks and jumps the parabola does not hold (on a kink with slopes of the move -s and t the passage takes about
+    n(1/s + 1/t) ln(1/ε) cycles): they are left out.
 
     x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics and Chaos, 4.3).
     The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 + ..., so that dt = dx/v.

@@ -46,19 +46,18 @@ def mean_passage_time(
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
     lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
         path on the real line, where the arc may be a whole turn.
-    progress : called with the fraction done, at most, where uniform noise is resolved, which takes seconds where it
-        is narrow. An exception from it ends the work.
+    progress : called with the fraction done, at most, where uniform noise is resolved. An exception from it ends the
+        work.
 
-    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
-    between the map's breaks and samples (Nyström). The system is eliminated without subtraction from the
-    exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep
-    their digits; inf above 1e300, where ``log10_passage_time`` goes on. ``UniformNoise`` has a method of its own.
+    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels between the map's
+    breaks and samples (Nyström), is eliminated without subtraction from the exactly known chances of leaving
+    (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep their digits; inf above 1e300, where
+    ``log10_passage_time`` goes on. ``UniformNoise`` has a method of its own.
 
-    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
-    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952). That comparison is
-    proved; r and Φ are measured on nodes. The map's ``max_error`` is included to first order. Where an arc
-    holds several deep wells the residual drowns in rounding; the bound is then ten times the difference
-    from a solution on other nodes. ConvergenceError when the bound, ``max_error`` apart, exceeds 1e-6 of the time.
+    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding included, Φ = (I - K)⁻¹|r|
+    bounds the error, since K is positive (Collatz 1952): proved; r and Φ are measured on nodes. The map's ``max_error``
+    is included to first order. Where several deep wells drown the residual in rounding, the bound is ten times the
+    difference from a solution on other nodes. ConvergenceError when it exceeds 1e-6 of the time, ``max_error`` apart.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> stuck = CircleMap.arnold(0.1, 0.9)

@@ -103,14 +103,13 @@ def predict_staircase(
     """Mean turn, step height and residence of the staircase that the noisy map will draw.
 
     mean_turn : 2π times the operator's rotation number, an ``Estimate`` with its bound.
-    Slow zones : the stable fixed points and attracting jumps. Around each the zone is the arc between the
-        unstable points (or repelling jumps, or saddle-nodes) next to it on both sides; its residence is
-        the mean passage time from the point out of that arc. With a single unstable point the arc is the
-        whole turn between two copies of it, and the path leaves it on the lifted line.
-        Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below half its mean
-        over the circle (uniform weight), w the whole number that makes the mean turn least, if the stationary
-        path is there at least half as long again as in an arc of that length at an even pace. The residence
-        is the mean passage time out of the arc from its upstream end.
+    Slow zones : the stable fixed points and attracting jumps, each with the arc between the unstable points (or
+        repelling jumps, or saddle-nodes) next to it on both sides; its residence is the mean passage time from the
+        point out of that arc. With a single unstable point the arc is the whole turn between two copies of it, left on
+        the lifted line only. Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below
+        half its mean over the circle, w the whole number that makes the mean turn least, if the stationary path is
+        there at least half as long again as at an even pace. The residence is the mean passage time from the arc's
+        upstream end.
     mean_residence_cycles : average of the zones' residences, an ``Estimate`` whose bound is the average bound.
     step : 2π divided by the number of zones, the mean spacing of neighbouring slow zones.
     The visits' numbers are exact for the stationary path; how they are found is said at ``_with_visits``.

@@ -75,11 +75,10 @@ class StepComparison:
 def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     """Compare the steps found in a path with those predicted for a map and its noise.
 
-    Dwells found without zones have lengths that depend on the window: their ratio to the predicted residence is to
-    be read as a rough one, and no p-value is given for it. Heights, pace and number of steps do not depend on
-    it. Steps found with ``zones=prediction.zones`` also compare the visits, whose prediction is exact for the
-    stationary path, with p-values that are uniform if the prediction holds (as far as visits are independent,
-    which they are to the extent that the path forgets between them).
+    Dwells found without zones have lengths that depend on the window: their ratio to the predicted residence is a rough
+    one, without p-value. Heights, pace and number of steps do not depend on it. Steps found with
+    ``zones=prediction.zones`` also compare the visits, whose prediction is exact for the stationary path, with p-values
+    that are uniform if it holds (as far as the path forgets between visits).
 
     Raises InvalidInput unless given ``Steps`` and a ``StaircaseSummary``.
 
