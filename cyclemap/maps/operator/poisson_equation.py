@@ -286,7 +286,22 @@ def diffusion_constant(system: BorderedSystem, law: Array, order: int = _ORDER) 
     dual = system.dual((weight * turn) @ waves_there, law)
     later = _later(basis, dual, theta) - turn
     correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
-    return 0.5 * (correlated + basis.noise.variance) + _kick_covariance(basis, law, dual, theta, mass, order)
+    noise = basis.noise
+    smooth = isinstance(noise, WrappedNormal) or float(noise.line_density(np.pi)) < _NOWHERE
+    if isinstance(noise, UniformNoise):
+        kicked = _uniform_kicks(basis, dual, theta, mass)
+    elif isinstance(basis, FourierDiscretisation) and smooth:
+        kicked = float(np.dot(mass, basis.expected_slope(dual, _kick_factors(noise, basis.order))))
+    else:
+        if basis.map.breaks.size:
+            # Panels end also where the longest kick leads from F(θ) to a break: z jumps there.
+            reach, cells = kick_reach(noise), monotone_cells(basis.map, 1, 0.0, _RESOLUTION)
+            cuts = preimages(basis.map, cells, np.add.outer(basis.map.breaks, [-reach, reach]).ravel())
+            finer = basis.finer if isinstance(basis, FourierDiscretisation) else 1
+            theta, weight = arc_rule(basis.map, 0.0, TWO_PI, basis.size // 2, finer, cuts=cuts)
+            mass = weight * (basis.evaluate(theta) @ law)
+        kicked = _over_kicks(basis, lambda at: _later(basis, dual, at), basis.map(theta), mass, order)
+    return 0.5 * (correlated + noise.variance) + kicked
 
 
 def diffusion_estimate(system: BorderedSystem, law: Array, finer: tuple[BorderedSystem, Array]) -> Estimate:
@@ -310,28 +325,6 @@ def _later(basis: Discretisation, dual: Array, theta: Array) -> Array:
 
 
 # -- E ξ z(F(θ) + ξ) -----------------------------------------------------------------------------------------
-
-
-def _kick_covariance(basis: Discretisation, law: Array, dual: Array, theta: Array, mass: Array, order: int) -> float:
-    noise = basis.noise
-    smooth = isinstance(noise, WrappedNormal) or float(noise.line_density(np.pi)) < _NOWHERE
-    if isinstance(basis, FourierDiscretisation) and smooth:
-        return float(np.dot(mass, basis.expected_slope(dual, _kick_factors(noise, basis.order))))
-    if isinstance(noise, UniformNoise):
-        return _uniform_kicks(basis, dual, theta, mass)
-    if basis.map.breaks.size:
-        theta, weight = _cut_rule(basis)
-        mass = weight * (basis.evaluate(theta) @ law)
-    return _over_kicks(basis, lambda at: _later(basis, dual, at), basis.map(theta), mass, order)
-
-
-def _cut_rule(basis: Discretisation) -> tuple[Array, Array]:
-    """Nodes on panels that end also where the longest kick leads from F(θ) to a break: z jumps there."""
-    reach = kick_reach(basis.noise)
-    cells = monotone_cells(basis.map, 1, 0.0, _RESOLUTION)
-    cuts = preimages(basis.map, cells, np.add.outer(basis.map.breaks, [-reach, reach]).ravel())
-    finer = basis.finer if isinstance(basis, FourierDiscretisation) else 1
-    return arc_rule(basis.map, 0.0, TWO_PI, basis.size // 2, finer, cuts=cuts)
 
 
 def _kick_factors(noise: Noise, orders: Array) -> Array:

@@ -88,25 +88,19 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     highest = float(np.max(np.where(close, moduli + bounds, 0.0)))
     if np.isfinite(highest):
         return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
-    largest = _root_of_powers(basis)
-    value = min(float(moduli[0]), largest)
-    return Estimate(value, max(value, largest - value))
-
-
-def _root_of_powers(basis: Discretisation) -> float:
-    """The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off."""
+    # The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off.
     power = _deflated(basis)
     size = float(np.linalg.norm(power))
-    off = MATRIX * 4.0 * (1.0 + size)
+    off, largest = MATRIX * 4.0 * (1.0 + size), 1.0
     if isinstance(basis, FourierDiscretisation):
         off += basis.noise.tail(basis.modes) * (1.0 + size)
-    least, n = 1.0, 1
-    for _ in range(_SQUARINGS):
-        least = min(least, (size + off) ** (1.0 / n))
+    for n in 2.0 ** np.arange(_SQUARINGS):
+        largest = min(largest, (size + off) ** (1.0 / n))
         off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
-        power, n = power @ power, 2 * n
+        power = power @ power
         size = float(np.linalg.norm(power))
-    return least
+    value = min(float(moduli[0]), largest)
+    return Estimate(value, max(value, largest - value))
 
 
 def mixing_time(second: Estimate) -> Estimate:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, Whole
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
@@ -40,18 +40,6 @@ Function = Callable[[Array], Array]
 
 def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
     """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them, sorted."""
-    tops = _prominent(values, margin)
-    step, at = grid[1], grid[tops]
-    inside = slope(at - step) * slope(at + step) < 0.0
-    if np.any(inside):
-        at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
-    at = np.mod(at, TWO_PI)
-    # A tiny negative angle rounds up to a whole turn.
-    return np.sort(np.where(at >= TWO_PI, 0.0, at))
-
-
-def _prominent(values: Array, margin: float) -> Whole:
-    """Indices of local maxima on a periodic grid that rise by ``margin`` above the dips beside them."""
     before, after = np.roll(values, 1), np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
     while tops.size:
@@ -62,7 +50,13 @@ def _prominent(values: Array, margin: float) -> Whole:
         if height[least] > margin:
             break
         tops = np.delete(tops, least)
-    return tops
+    step, at = grid[1], grid[tops]
+    inside = slope(at - step) * slope(at + step) < 0.0
+    if np.any(inside):
+        at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
+    at = np.mod(at, TWO_PI)
+    # A tiny negative angle rounds up to a whole turn.
+    return np.sort(np.where(at >= TWO_PI, 0.0, at))
 
 
 def distance_from_uniform(density: Function, circle_map: CircleMap, grid: Array, values: Array, size: int) -> float:

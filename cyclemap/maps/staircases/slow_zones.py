@@ -267,12 +267,12 @@ class DriftSummary:
     @property
     def mean_residence_cycles(self) -> Array:
         """Shape (k,), cycles; nan where the frozen map has no slow zone."""
-        return np.array([_or_nan(one.mean_residence_cycles) for one in self.summaries])
+        return np.array([one.mean_residence_cycles for one in self.summaries], dtype=np.float64)
 
     @property
     def step(self) -> Array:
         """Shape (k,), radians; nan where the frozen map has no slow zone."""
-        return np.array([_or_nan(one.step) for one in self.summaries])
+        return np.array([one.step for one in self.summaries], dtype=np.float64)
 
     @property
     def steps(self) -> float | None:
@@ -308,25 +308,17 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
         theta, weight = operator.discretisation.rule
         return float((weight * operator.density(theta)) @ operator.map.turn(theta)) / TWO_PI
 
-    turns = _summed(winding, drifting, count)
-    change = np.abs(np.diff([one.rotation_number for one in operators]))
-    forgetting = np.array([1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators])
-    lag = float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:]))) if np.any(change) else 0.0
-    return DriftSummary(read_only(chosen), summaries, turns, lag)
-
-
-def _or_nan(value: float | None) -> float:
-    return np.nan if value is None else float(value)
-
-
-def _summed(rho: Callable[[float], float], drifting: DriftingMap, count: int) -> Estimate:
-    """Σ_{n<count} ρ(n) as the integral from -½ to count - ½ (midpoint rule read backwards), by Simpson's rule."""
-    low, high = -0.5, count - 0.5
+    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards), by Simpson's rule.
+    low, high, rho = -0.5, count - 0.5, winding
     inner = drifting.cycles[(drifting.cycles > low) & (drifting.cycles < high)]
     edges = np.concatenate([[low], inner, [high]]) if inner.size < _PANELS else np.linspace(low, high, _PANELS + 1)
     allowed = _TOLERANCE / count
     panels = [_simpson(rho, a, b, (rho(a), rho(0.5 * (a + b)), rho(b)), allowed, 0) for a, b in pairwise(edges)]
-    return Estimate(float(sum(p[0] for p in panels)), float(sum(p[1] for p in panels)))
+    turns = Estimate(float(sum(panel[0] for panel in panels)), float(sum(panel[1] for panel in panels)))
+    change = np.abs(np.diff([one.rotation_number for one in operators]))
+    forgetting = np.array([1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators])
+    lag = float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:]))) if np.any(change) else 0.0
+    return DriftSummary(read_only(chosen), summaries, turns, lag)
 
 
 def _simpson(

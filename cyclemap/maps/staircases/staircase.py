@@ -92,8 +92,15 @@ class DriftingMap:
         (True, True)
         """
         count = whole_number("cycles", cycles, least=1)
-        at = _scheduled(family, schedule, count)
-        knots, error = _fitted(at, count - 1, positive_number("tolerance", tolerance))
+        if not callable(family):
+            raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
+        given = schedule
+        if not callable(schedule):
+            values = finite_array("schedule", schedule)
+            if values.ndim == 0 or values.shape[0] < count:
+                raise InvalidInput(f"schedule has shape {values.shape}: it needs one entry for each of {count} cycles")
+            given = values.__getitem__
+        knots, error = _fitted(lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance))
         return cls(np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error)
 
     def at(self, cycle: float) -> CircleMap:
@@ -126,17 +133,6 @@ class DriftingMap:
             a, width = self.cycles[before], self.cycles[after] - self.cycles[before] if after > before else 1.0
             share = np.clip((np.arange(low, high) - a) / width, 0.0, 1.0)
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
-
-
-def _scheduled(family: Callable[[Any], CircleMap], schedule: Any, count: int) -> Callable[[int], CircleMap]:
-    if not callable(family):
-        raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
-    if callable(schedule):
-        return lambda n: family(schedule(n))
-    values = finite_array("schedule", schedule)
-    if values.ndim == 0 or values.shape[0] < count:
-        raise InvalidInput(f"schedule has shape {values.shape}: it needs one entry for each of {count} cycles")
-    return lambda n: family(values[n])
 
 
 def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> tuple[dict[int, CircleMap], float]:

@@ -97,10 +97,17 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     if not isinstance(steps, Steps) or not isinstance(prediction, StaircaseSummary):
         raise InvalidInput("give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order")
     length, length_error = kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
-    net, expected, error = _numbers(steps, prediction)
-    pace = None
-    if net is not None and expected is not None and error and steps.count >= _FEWEST_PERIODS:
-        pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
+    net = expected = error = pace = None
+    if prediction.step is not None:
+        turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
+        net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
+        if steps.count >= 2:
+            surplus = steps.heights - turn * steps.periods
+            between = steps.cycles * float(np.mean(surplus**2) / np.mean(steps.periods))
+            within = 2.0 * float(np.mean(steps.scatter**2))
+            error = float(np.sqrt(between + within) / prediction.step)
+        if error and steps.count >= _FEWEST_PERIODS:
+            pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
     zones = steps.zones if steps.zones == prediction.zones else ()
     return StepComparison(
         steps=steps.count,
@@ -144,21 +151,6 @@ def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[
     return float(np.sum(pieces)), float(np.sqrt(np.sum(terms))) if values.size > 1 else None
 
 
-def _numbers(steps: Steps, prediction: StaircaseSummary) -> tuple[float | None, float | None, float | None]:
-    """Steps climbed by the whole path, steps expected, and the standard error of the difference."""
-    if prediction.step is None:
-        return None, None, None
-    winding = steps.zones[0].winding if steps.zones else 0
-    turn = prediction.mean_turn - TWO_PI * winding
-    net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
-    if steps.count < 2:
-        return net, expected, None
-    surplus = steps.heights - turn * steps.periods
-    between = steps.cycles * float(np.mean(surplus**2) / np.mean(steps.periods))
-    within = 2.0 * float(np.mean(steps.scatter**2))
-    return net, expected, float(np.sqrt(between + within) / prediction.step)
-
-
 def _ratio(measured: float | None, predicted: float | None) -> float | None:
     return None if measured is None or predicted is None or not predicted > 0.0 else float(measured / predicted)
 
@@ -173,6 +165,13 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
+    expected, spread, chance = zone.visit_cycles, zone.visit_spread, None
+    if expected is not None and spread is not None and spread > 0.0 and np.isfinite(expected) and exposure > 0.0:
+        # P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums.
+        shape, scale = (expected / spread) ** 2, spread * (spread / expected)
+        as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
+        middle = 0.5 * (as_many + float(gammainc(shape * (exits + 1), exposure / scale)))
+        chance = min(1.0, 2.0 * min(middle, 1.0 - middle))
     return VisitComparison(
         zone=zone,
         exits=exits,
@@ -181,16 +180,5 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
         spread=float(np.std(lengths[closed], ddof=1)) if exits > 1 else None,
         predicted=zone.visit_cycles,
         ratio=_ratio(mean, zone.visit_cycles),
-        mean_p_value=_count_p_value(exits, exposure, zone.visit_cycles, zone.visit_spread),
+        mean_p_value=chance,
     )
-
-
-def _count_p_value(exits: int, exposure: float, mean: float | None, spread: float | None) -> float | None:
-    """P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums."""
-    if mean is None or spread is None or not spread > 0.0 or not np.isfinite(mean) or exposure <= 0.0:
-        return None
-    shape, scale = (mean / spread) ** 2, spread * (spread / mean)
-    as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
-    more = float(gammainc(shape * (exits + 1), exposure / scale))
-    middle = 0.5 * (as_many + more)
-    return min(1.0, 2.0 * min(middle, 1.0 - middle))

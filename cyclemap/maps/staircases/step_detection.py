@@ -124,30 +124,38 @@ def _best_window(path: Array) -> Steps:
     jitter = float(np.median(np.abs(np.diff(path))))
     windows = [widest * 0.5**halving for halving in range(_HALVINGS + 1)]
     found = [_within(path, window) for window in windows if window >= _JITTERS * jitter]
-    contrast = [_contrast(steps, path) for steps in found]
+    contrast = []  # share of the cycles in dwells, less that of their scatter in the height travelled
+    for steps in found:
+        ends = [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])] if steps.start.size else [0.0]
+        travelled, covered = float(np.sum(np.abs(steps.heights)) + np.sum(ends)), _SPAN * float(np.sum(steps.scatter))
+        share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
+        contrast.append(share - min(1.0, covered / travelled if travelled > 0.0 else 1.0) if steps.start.size else 0.0)
     if max(contrast, default=0.0) < _CONTRAST:
         return _made(path, [], widest)
     return found[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
 
 
-def _contrast(steps: Steps, path: Array) -> float:
-    """Share of the cycles that are in dwells, less the share that the dwells' scatter has of the height travelled."""
-    if steps.start.size == 0:
-        return 0.0
-    ends = [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])]
-    travelled, covered = float(np.sum(np.abs(steps.heights)) + np.sum(ends)), _SPAN * float(np.sum(steps.scatter))
-    share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
-    return share - min(1.0, covered / travelled if travelled > 0.0 else 1.0)
-
-
 def _within(path: Array, window: float) -> Steps:
     """Dwells for one window."""
     reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
-    length = reach - np.arange(path.size) + 1
-    shortest = _shortest(reach, length)
-    long = np.flatnonzero(length >= shortest)
-    runs = [_trimmed(path, a, b, window) for a, b in _joined(long, reach[long], path.size)]
-    return _made(path, [run for run in runs if run[1] - run[0] + 1 >= _SHORTEST], window)
+    cycle = np.arange(path.size)
+    length, back = reach - cycle + 1, cycle - np.searchsorted(reach, cycle) + 1
+    # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height they cover.
+    whole, shortest = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float), _SHORTEST
+    if whole.size:
+        shortest = max(_SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))))
+    # Runs of cycles in which each neighbouring pair lies in one of the long windows.
+    long, cover = np.flatnonzero(length >= shortest), np.zeros(path.size + 1)
+    np.add.at(cover, long, 1.0)
+    np.add.at(cover, reach[long], -1.0)
+    edges, runs = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False])), []
+    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        # Without the ends that already lead away.
+        away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
+        kept = first + np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
+        if kept[-1] - kept[0] + 1 >= _SHORTEST:
+            runs.append((int(kept[0]), int(kept[-1])))
+    return _made(path, runs, window)
 
 
 def _reach(path: Array, span: float) -> Counts:
@@ -174,31 +182,6 @@ def _reach(path: Array, span: float) -> Counts:
     return reach
 
 
-def _shortest(reach: Counts, length: Counts) -> int:
-    """Twice the cycles that the window's height takes at the mean pace: stays weighted by the height they cover."""
-    back = np.arange(reach.size) - np.searchsorted(reach, np.arange(reach.size)) + 1
-    whole = np.r_[length[reach < reach.size - 1], back[np.arange(reach.size) - back + 1 > 0]].astype(float)
-    if whole.size == 0:
-        return _SHORTEST
-    return max(_SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))))
-
-
-def _joined(first: Counts, last: Counts, size: int) -> list[tuple[int, int]]:
-    """Runs of cycles in which each neighbouring pair lies in one of the windows [first, last]."""
-    cover = np.zeros(size + 1)
-    np.add.at(cover, first, 1.0)
-    np.add.at(cover, last, -1.0)
-    edges = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False]))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _trimmed(path: Array, first: int, last: int, window: float) -> tuple[int, int]:
-    """The run without the ends that already lead away."""
-    away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
-    kept = np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
-    return first + int(kept[0]), first + int(kept[-1])
-
-
 def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     """Steps from runs in order: neighbours less than the window's height apart are one dwell."""
     start, end = (np.array([run[side] for run in runs], dtype=np.int64) for side in (0, 1))
@@ -212,23 +195,22 @@ def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
     if len(windings) != 1 or not all(isinstance(zone, SlowZone) for zone in zones):
         raise InvalidInput(f"zones is {zones!r}: give one SlowZone or more, all of the same winding")
     still = path - TWO_PI * windings.pop() * np.arange(path.size)
-    visits = np.array(sorted(v for i, zone in enumerate(zones) for v in _visits(still, zone, i)), dtype=np.int64)
-    start, end, copy, index = visits.reshape(-1, 4).T
+    found = []  # first and last cycle, turns of the copy and zone of each run in an arc that reaches its core
+    for i, zone in enumerate(zones):
+        copy = np.floor((still - zone.arc[0]) / TWO_PI).astype(np.int64)
+        place = still - TWO_PI * copy
+        inside = place < zone.arc[1]
+        deep = np.r_[0, np.cumsum((place >= zone.core[0]) & (place <= zone.core[1]))]
+        breaks = np.flatnonzero((np.diff(inside.astype(np.int8)) != 0) | (np.diff(copy) != 0)) + 1
+        first, last = np.r_[0, breaks], np.r_[breaks, path.size] - 1
+        kept = inside[first] & (deep[last + 1] > deep[first])
+        first, last = first[kept], last[kept]
+        found.append(np.stack([first, last, copy[first], np.full(first.size, i)], axis=1))
+    visits = np.concatenate(found)
+    start, end, copy, index = visits[np.argsort(visits[:, 0], kind="stable")].T
     moves = (np.diff(copy) != 0) | (np.diff(index) != 0)
     dwell = np.cumsum(np.r_[0, moves])[: start.size].astype(np.int64)
     return _gathered(still, start, end, dwell, index, zones)
-
-
-def _visits(path: Array, zone: SlowZone, index: int) -> list[tuple[int, int, int, int]]:
-    """(first cycle, last cycle, turns of the copy, zone) of each run in a copy of the arc that reaches its core."""
-    copy = np.floor((path - zone.arc[0]) / TWO_PI).astype(np.int64)
-    place = path - TWO_PI * copy
-    inside = place < zone.arc[1]
-    deep = np.r_[0, np.cumsum((place >= zone.core[0]) & (place <= zone.core[1]))]
-    breaks = np.flatnonzero((np.diff(inside.astype(np.int8)) != 0) | (np.diff(copy) != 0)) + 1
-    first, last = np.r_[0, breaks], np.r_[breaks, path.size] - 1
-    kept = inside[first] & (deep[last + 1] > deep[first])
-    return [(int(a), int(b), int(copy[a]), index) for a, b in zip(first[kept], last[kept], strict=True)]
 
 
 def _gathered(
