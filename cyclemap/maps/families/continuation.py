@@ -199,14 +199,14 @@ def follow_orbit(
     """The branch of periodic orbits through ``start``, followed both ways within the parameters (low, high).
 
     start : an orbit of the family's map at the parameter ``at`` (default: low), or an angle near a point of one, then
-    with its ``period`` and ``winding``.
+        with its ``period`` and ``winding``.
 
-    F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points of the orbit at once and followed in its arclength
-    (Keller 1977), so that folds in p are passed and every point is correct to rounding. Steps are halved where
-    Newton's method fails, the direction turns by more than 18° or the multiplier changes fast, and grow elsewhere
-    up to 0.08 in units of (θ, p/(high - low)). Saddle-nodes, period doublings and branch points are where the
-    multiplier passes ±1; border collisions where a point passes a break: beyond a kink the branch goes on
-    with the far side's slope, at a jump it ends. What happens twice within one step is missed.
+    F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points at once and followed in its arclength (Keller 1977), so that
+    folds in p are passed and every point is correct to rounding. Steps are halved where Newton's method fails, the
+    direction turns by more than 18° or the multiplier changes fast, and grow up to 0.08 in units of (θ, p/(high -
+    low)). Saddle-nodes, period doublings and branch points are where the multiplier passes ±1; border collisions where
+    a point passes a break: beyond a kink the branch goes on, at a jump it ends. What happens twice within one step is
+    missed.
 
     Raises InvalidInput when there is no such orbit at ``at``, ConvergenceError when a bifurcation cannot be located.
 
@@ -285,9 +285,8 @@ def orbit_branches(
     """All branches of periodic orbits of this period and winding within the parameters (low, high).
 
     All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``); one that lies on no
-    branch found so far starts a new one (``follow_orbit``). So a branch is lost only when it lives and dies between two
-    neighbouring ones of these parameters, or where ``periodic_orbits`` would lose it. An orbit that is neutral or
-    on a kink just at one of them is left to the next.
+    branch found so far starts a new one (``follow_orbit``): a branch that lives and dies between two of these
+    parameters is lost. An orbit that is neutral or on a kink just at one of them is left to the next.
 
     Raises InvalidInput as these two do, for instance where the map's iterate is the identity.
 

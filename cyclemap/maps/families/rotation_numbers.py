@@ -273,15 +273,13 @@ def rotation_plane(
 
     family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``, ``CircleMap.arnold``
         and ``CircleMap.moebius`` are done many maps at once (``rotation_numbers``) where the lifts do not fold, all
-        else map by map (``rotation_number``), hundreds of times slower: write such a family as a ``ParametricLift``.
+        else map by map (``rotation_number``), hundreds of times slower.
     first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
-    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold.
+    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold; one
+        that is wider shows it by its ``lower`` and ``upper``.
 
-    Enclosures hold on the terms of ``rotation_number``; one that is wider than the tolerance shows it by its own
-    ``lower`` and ``upper``. Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q.
-
-    Raises InvalidInput for axes that are empty, not finite or not monotone, and for a map that is no CircleMap of
-    degree 1.
+    Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes that are empty, not
+    finite or not monotone, and for a map that is no CircleMap of degree 1.
 
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.locked(1, 1)

@@ -120,10 +120,9 @@ class Branch:
 def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
 
-    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes; a kink inside a
-    monotone piece does not cut. A map without any cut is one branch, [0, 2π]. The last branch ends one turn
-    after the first starts. Complete down to the resolution, as ``monotone_cells``: two folds in one of at
-    least ``resolution`` cells a turn are missed. Constant pieces shorter than 1e-5 radians join a neighbour.
+    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes. A map without any cut is
+    one branch, [0, 2π]. Complete down to the resolution, as ``monotone_cells``. Constant pieces shorter than 1e-5
+    radians join a neighbour.
 
     Raises ConvergenceError when the map is too steep to be cut into cells.
 

@@ -98,12 +98,7 @@ class CircleMap:
             object.__setattr__(self, name, value)
 
     def remade_by(self, maker: Callable[..., CircleMap], *arguments: Any, **options: Any) -> CircleMap:
-        """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle.
-
-        >>> import pickle
-        >>> float(pickle.loads(pickle.dumps(CircleMap.rigid(0.25).remade_by(CircleMap.rigid, 0.25)))(0.0)) > 1.57
-        True
-        """
+        """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle."""
         self._set(_recipe=(maker, arguments, options))
         return self
 
@@ -194,11 +189,7 @@ class CircleMap:
 
     @classmethod
     def with_scalar(cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any) -> CircleMap:
-        """A map with a second form of its lift for one python float (faster in loops); both must agree.
-
-        >>> CircleMap.with_scalar(lambda x: 2.0 * x, None, lambda x: 2.0 * x, degree=2).scalar()(0.5)
-        1.0
-        """
+        """A map with a second form of its lift for one python float (faster in loops); both must agree."""
         made = cls(lift, derivative, **options)
         check_scalar(scalar, lift, derivative)
         made._set(_scalar=scalar)
@@ -332,13 +323,7 @@ class CircleMap:
 
     @classmethod
     def from_pieces(cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0) -> CircleMap:
-        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record.
-
-        >>> import numpy as np
-        >>> one = CircleMap.from_samples([0.0, 2.0, 4.0], [0.0, 2.0, 4.0])
-        >>> CircleMap.from_pieces(one.pieces, one.breaks, 3).samples
-        3
-        """
+        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record."""
         made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
         made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
         return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)

@@ -38,17 +38,12 @@ def uniform_discretisation(
 ) -> UniformDiscretisation:
     """Panels on which the stationary law of θ' = F(θ) + ξ, ξ uniform, and its slow departures are resolved.
 
-    Panels end at F's breaks and at the points where the law kinks or has a square root, with polynomials in an angle
-    beside the latter; where the law is still rough they are cut further, until its last coefficients are below
-    1e-13, or there are ``max_panels`` (of 24 functions each). Accuracy, as ``residual`` tells it, beside a
-    density of order 1/2h: about 1e-12 for monotone maps, with jumps or without, 1e-8 with folds, down to h = 0.03 rad;
-    worse where F has an inflection with F' = 0.
+    Panels end at F's breaks and where the law kinks or has a square root, with polynomials in an angle beside the
+    latter; they are cut further until the law's last coefficients are below 1e-13, or there are ``max_panels`` (of 24
+    functions each). Accuracy, as ``residual`` tells it, beside a density of order 1/2h: about 1e-12 for monotone maps,
+    1e-8 with folds, down to h = 0.03 rad; worse where F has an inflection with F' = 0.
 
     Raises InvalidInput unless the noise is ``UniformNoise`` and max_panels at least 16.
-
-    >>> turning = uniform_discretisation(CircleMap.rigid(0.3), UniformNoise(0.5))
-    >>> bool(turning.residual(turning.uniform) < 1e-13)
-    True
     """
     if not isinstance(noise, UniformNoise):
         raise InvalidInput(f"the noise is {noise!r}: these panels are for UniformNoise")

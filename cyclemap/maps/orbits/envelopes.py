@@ -44,9 +44,6 @@ def largest_descent(circle_map: CircleMap) -> float:
     """The largest F(x) - F(y) over x < y, radians; 0 for a nondecreasing lift.
 
     Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see ``GRAIN``).
-
-    >>> largest_descent(CircleMap.arnold(0.2, 0.9)), round(largest_descent(CircleMap.arnold(0.2, 3.0)), 3)
-    (0.0, 3.195)
     """
     if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
         return 0.0

@@ -116,13 +116,11 @@ _ZOOMS = 6  # times that the search narrows around the best angle so far
 class LockingProof:
     """Two angles that prove ρ = p/q of a nondecreasing lift.
 
-    ratio : p/q in lowest terms.
-    below : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q.
-    above : radians, in [-π, 3π]: F^q(above) > above + 2πp, so ρ ≥ p/q.
+    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q, and
+        F^q(above) > above + 2πp, so ρ ≥ p/q.
 
-    A nondecreasing lift jumps only upwards, so going from ``above`` up to the next copy of ``below`` its
-    F^q - id - 2πp comes down through 0 continuously: an orbit of period q and winding p lies between.
-    ``periodic_orbits`` gives it.
+    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below`` lies an orbit of period
+    q and winding p: ``periodic_orbits`` gives it.
     """
 
     ratio: Fraction
@@ -166,11 +164,12 @@ def rotation_number(
 
     Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies ρ ≥ p/n, and ≤
     likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the upper one of F + e. e
-    adds up the map's ``max_error``, rounding (4 units of 2π + max|F|) and what a lift taken as nondecreasing falls (≤
-    1e-12); no orbit of F lies below the one or above the other, so the bounds hold however F amplifies errors, for
-    every nondecreasing lift within ``max_error`` of F. They are about 1/iterates² apart where ρ is irrational, F smooth
-    and max_error 0; 1/(q·iterates) where ρ is p/q without being locked. A lift that is computed worse must say so by
-    ``max_error``; folds narrower than a tenth of a milliradian may pass unseen.
+    adds up the map's ``max_error``, what a lift taken as nondecreasing falls (≤ 1e-12), and rounding; no orbit of F
+    lies below the one or above the other, so the bounds hold however F amplifies errors, for every nondecreasing lift
+    within ``max_error`` of F. Proved, given that a computed image is good to 4 units (8.9e-16) of 2π + max|F|: a lift
+    that is computed worse must say so by ``max_error``. Folds narrower than a tenth of a milliradian may pass unseen.
+    About 1/iterates² wide where ρ is irrational, F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being
+    locked.
 
     Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
     with the two angles as ``proof``; at the very edge of a tongue the sides cannot be told apart. Otherwise
@@ -346,11 +345,7 @@ def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) 
 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction of smallest denominator in [low, high] (Stern-Brocot descent).
-
-    >>> simplest_between(Fraction(5, 17), Fraction(1, 3))
-    Fraction(1, 3)
-    """
+    """The fraction of smallest denominator in [low, high] (Stern-Brocot descent)."""
     if high < low:
         raise InvalidInput(f"the interval [{low}, {high}] is empty: give low <= high")
     whole = ceil(low)

@@ -162,23 +162,16 @@ def uniform_passage_time(
     max_panels: int = MAX_PANELS,
     progress: Callable[[float], None] | None = None,
 ) -> Estimate:
-    """Mean number of cycles until θ' = F(θ) + ξ, ξ uniform on [-h, h], from ``start`` is first outside the arc.
+    """``mean_passage_time`` under uniform noise on [-h, h], from ``start`` inside the arc ``ends``, radians.
 
-    start : radians, inside the arc ``ends`` (start, end), which is left in the sense of ``mean_passage_time``.
-
-    T(x) = 1 + (S(F(x) + h) - S(F(x) - h))/2h, S the antiderivative of T, zero outside the arc: by collocation on
-    panels that end where T kinks (F(x) ± h at an end of the arc or at an earlier kink) or jumps (F's breaks), and
-    are cut until T's last coefficients are below 1e-12, or there are ``max_panels``.
-    inf where the path can come, with a chance above zero, to a part of the arc that the noise is too small to
-    leave: that part is found as a set of intervals.
+    T(x) = 1 + (S(F(x) + h) - S(F(x) - h))/2h, S the antiderivative of T, zero outside the arc: by collocation on panels
+    that end where T kinks (F(x) ± h at an end of the arc or at an earlier kink) or jumps (F's breaks), and are cut
+    until T's last coefficients are below 1e-12, or there are ``max_panels``. inf where the path can come to a part of
+    the arc that the noise is too small to leave: that part is found as a set of intervals.
 
     ``error_bound``: with r a bound on the residual of the computed T, |T - computed| <= r T, since the equation's
-    kernel is positive (Collatz 1952): proved; r is twice the residual's maximum over three times as many
-    angles, and rounding, so measured. It grows like 1e-14 T, relative; ConvergenceError where it would reach T/2.
-
-    >>> time = uniform_passage_time(CircleMap.rigid(0.0), UniformNoise(0.5), 0.1, (0.0, 0.4))
-    >>> round(time, 12), time.error_bound < 1e-12  # every step leaves with chance 1 - 0.4/1.0
-    (1.666666666667, True)
+    kernel is positive (Collatz 1952): proved; r is measured, see ``residual``. It grows like 1e-14 T, relative;
+    ConvergenceError where it would reach T/2.
     """
     reach = _reach(circle_map, noise, Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted), start)
     if reach.domain.length == 0.0:
@@ -212,16 +205,12 @@ def uniform_hitting_probability(
     max_panels: int = MAX_PANELS,
     progress: Callable[[float], None] | None = None,
 ) -> Estimate:
-    """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
+    """``hitting_probability`` under uniform noise, from a ``start`` outside both arcs, which do not overlap.
 
-    ``start`` lies outside both arcs, which do not overlap. The equation is that of ``uniform_passage_time`` with
-    P(F(x) + ξ in a) in place of 1. Paths that come to neither arc count as not in a; 0 is exact where the noise
-    cannot bring the path to a. ``error_bound``: the residual's bound times the mean number of cycles until an
-    arc (or a part of the circle that the noise is too small to leave) is reached.
-
-    >>> even = uniform_hitting_probability(CircleMap.rigid(0.0), UniformNoise(0.7), 0.0, (1.0, 2.0), (-2.0, -1.0))
-    >>> round(even, 12), even.error_bound < 1e-12
-    (0.5, True)
+    The equation is that of ``uniform_passage_time`` with P(F(x) + ξ in a) in place of 1. Paths that come to neither arc
+    count as not in a; 0 is exact where the noise cannot bring the path to a. ``error_bound``: the residual's bound
+    times the mean number of cycles until an arc, or a part of the circle that the noise is too small to leave, is
+    reached.
     """
     between = np.array(arcs_between(arc_a, arc_b))
     rest = Intervals(between[:, 0], between[:, 1], True)

@@ -191,11 +191,10 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
 def _with_visits(zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator) -> SlowZone:
     """The zone with its visits by the stationary path.
 
-    π the stationary density, B the arc, K the noisy map's kernel between points of B on the lifted line, ν = π - πK
-    the law of run starts: moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never reach the
-    core (renewal theory: Kemeny & Snell 1960, ch. 3). The bound of the length is measured, from coarser nodes. A
-    residence beyond 1e5 cycles is put in its place, and in the spread's, as is right for rare escapes (exponential
-    law), with a bound of inf: the difference, a few relaxation times, is not computed.
+    π the stationary density, B the arc, K the noisy map's kernel on B, lifted, ν = π - πK the law of run starts:
+    moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never reach the core (renewal theory: Kemeny
+    & Snell 1960, ch. 3). The length's bound is measured, from coarser nodes. Beyond 1e5 cycles visits are exponential
+    with the residence as mean and spread, with a bound of inf: a few relaxation times are not computed.
     """
     residence, still = float(zone.residence_cycles), shifted(circle_map, -zone.winding)
     if residence > _LONGEST_VISIT:

@@ -79,11 +79,11 @@ class DriftingMap:
     ) -> DriftingMap:
         """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen to fit.
 
-        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one entry (or row) a
-        cycle. A stretch of cycles is halved until the blend of its ends lies within ``tolerance`` (radians, at
-        512 angles) of the family at its quarter points, or until it has no cycle inside, where the blend is
-        exact: a schedule that jumps costs nothing. ``max_error`` is the largest difference that was accepted;
-        measured, so a schedule that moves only between the quarter points of a long stretch can escape it.
+        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one entry (or row) a cycle.
+            A stretch of cycles is halved until the blend of its ends lies within ``tolerance`` (radians, at 512 angles)
+            of the family at its quarter points, or has no cycle inside: a schedule that jumps costs nothing.
+            ``max_error`` is the largest difference that was accepted; what moves only between the quarter points of a
+            long stretch can escape it.
 
         Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what they reach.
 
@@ -249,9 +249,9 @@ def sample_staircase(
 ) -> Staircase:
     """A path of ``cycles`` cycles from ``start`` (radians); ``noise`` None follows the map alone.
 
-    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million cycles a
-    second for sampled and textbook maps, about half that where two of them are blended, a few hundred thousand
-    for maps given by numpy callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle starts.
+    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million cycles a second for
+    sampled and textbook maps, a few hundred thousand for maps given by numpy callables. Kicks of a ``LocalNoise`` have
+    the size that it has where the cycle starts.
 
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
@@ -290,9 +290,8 @@ def sample_staircases(
 ) -> Array:
     """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped, read-only.
 
-    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone gives the
-    path of ``sample_staircase`` to rounding. All paths go through the lift together: ten million cycles a second
-    and more for a hundred paths of a textbook map.
+    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone gives the path of
+        ``sample_staircase`` to rounding, and a hundred paths are followed ten times as fast together.
 
     >>> sample_staircases(CircleMap.rigid(0.5), None, 2, [0.0, np.pi]).shape
     (2, 3)

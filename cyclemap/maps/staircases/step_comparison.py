@@ -23,15 +23,13 @@ class VisitComparison:
 
     zone : the zone; exits : visits whose end was seen.
     mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
-        exposure (cycles seen inside, the censored visits too) over the exits, the maximum-likelihood value of an
-        exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean. The visit that the path begins in
-        counts for the former only.
+        exposure (cycles seen inside, censored visits and the one that the path begins in too) over the exits, the
+        maximum-likelihood value of an exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean.
     spread : measured standard deviation of the complete visits.
     predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
     mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted
-        mean and spread: a renewal process of gamma-distributed visits (exact for exponential ones), mid-p value. Over
-        some 15 visits it is measured to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and
-        in 6.3 % (a stable point).
+        mean and spread: a renewal process of gamma-distributed visits, mid-p value. Over some 15 visits it is measured
+        to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and in 6.3 % (a stable point).
     """
 
     zone: SlowZone
@@ -126,12 +124,9 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
 def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[float | None, float | None]:
     """Mean and standard error of lengths of which some are only known to be at least so long.
 
-    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function (Kaplan & Meier 1958)
-    up to the longest length, with Greenwood's (1926) variance. Where the longest is censored the integral stops there
-    and the mean is too small. (None, None) where every length is censored; the error is None for one alone.
-
-    >>> kaplan_meier_mean([2.0, 4.0, 6.0], [False, False, False])[0]
-    4.0
+    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function (Kaplan & Meier 1958) up
+        to the longest length, with Greenwood's (1926) variance. Where the longest is censored the mean is too small.
+        (None, None) where every length is censored; the error is None for one alone.
     """
     values, open_ended = finite_array("lengths", lengths, ndim=1), np.asarray(censored, dtype=bool)
     if values.size == 0 or values.shape != open_ended.shape or np.any(values < 0.0):
