@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +13,7 @@ from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, Scalar, base_angles
+from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, base_angles
 from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells
 
 
@@ -49,26 +48,6 @@ class MonotoneTable:
         rising, side = self.sign * self.value, "right" if self.sign > 0 else "left"
         cell = np.searchsorted(rising, self.sign * values, side=side) - 1  # type: ignore[call-overload]
         return np.asarray(np.clip(cell, 0, self.theta.size - 2))
-
-    def inverse_of_one_float(self) -> Scalar:
-        """The same inverse for one python float (Brent 1973, ch. 4)."""
-        from scipy.optimize import brentq  # slow to import, and seldom asked for
-
-        sign, lift = self.sign, self.map.scalar()
-        nodes, rising = self.theta.tolist(), (self.sign * self.value).tolist()
-        bisect, final = bisect_right if sign > 0 else bisect_left, len(nodes) - 2
-
-        def inverse(value: float) -> float:
-            wanted = sign * value
-            cell = min(max(bisect(rising, wanted) - 1, 0), final)
-            low, high = nodes[cell], nodes[cell + 1]
-            if sign * lift(low) >= wanted:
-                return float(low)
-            if sign * lift(high) <= wanted:
-                return float(high)
-            return float(brentq(lambda x: sign * lift(x) - wanted, low, high, xtol=EPS, rtol=4.0 * EPS))
-
-        return inverse
 
 
 RESOLUTION = 512

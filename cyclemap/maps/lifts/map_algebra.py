@@ -43,16 +43,6 @@ class InverseLift:
         with np.errstate(divide="ignore"):
             return np.where(high > low, 1.0 / slope, 0.0)
 
-    def scalar(self) -> Scalar:
-        """The same lift for one python float."""
-        one, degree = self.table.inverse_of_one_float(), self.degree
-
-        def lift(value: float) -> float:
-            turns = value // TWO_PI
-            return one(value - TWO_PI * turns) + TWO_PI * degree * turns
-
-        return lift
-
 
 def inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
     """The inverse of a map whose branches all run in the direction of its degree, jumps and plateaus included."""
@@ -286,14 +276,8 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     lift = inverse_lift(circle_map, parts)
     values = np.concatenate([_GRID, lift.breaks])
     moved = float(np.max(np.abs(lift(values + error) - lift(values - error)))) if error else 0.0
-    return CircleMap.with_scalar(
-        lift,
-        lift.derivative,
-        lift.scalar(),
-        breaks=lift.breaks,
-        degree=lift.degree,
-        max_error=moved,
-    ).remade_by(inverse, circle_map)
+    made = CircleMap(lift, lift.derivative, lift.breaks, degree, max_error=moved)
+    return made.remade_by(inverse, circle_map)
 
 
 def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> CircleMap:

@@ -164,15 +164,11 @@ class FourierDiscretisation:
         """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns of several."""
         return self.carried(self.on_nodes(law))
 
-    def expected_slope(self, dual: Array, factors: Array | None = None, at: Array | None = None) -> Array:
-        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or the angles ``at``.
-
-        factors : to use for the κ_m.
-        """
+    def expected_slope(self, dual: Array, at: Array | None = None) -> Array:
+        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or the angles ``at``."""
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
-        ahead = _times(self.kappa if factors is None else factors, dual)
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
-        back = -self._turned(ahead)
+        back = -self._turned(_times(self.kappa, dual))
         return np.concatenate([after.T @ back for _, after in images])
 
     def on_nodes(self, law: Any) -> Any:

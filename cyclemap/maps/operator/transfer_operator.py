@@ -183,9 +183,9 @@ class TransferOperator:
 
     @cached_property
     def diffusion(self) -> Estimate:
-        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``; inf for Cauchy.
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``.
 
-        The bound is measured, against D on a finer basis.
+        For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other noise is refused.
 
         >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)

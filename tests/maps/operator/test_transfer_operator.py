@@ -146,13 +146,12 @@ def test_total_variation_is_half_the_integral_of_the_difference():
 
 
 def test_uniform_noise_has_a_basis_of_its_own():
-    """A rotation with uniform noise: uniform law, |λ_m| = |sin(mh)/(mh)|, D = h²/6."""
+    """A rotation with uniform noise: uniform law, |λ_m| = |sin(mh)/(mh)|."""
     noise = UniformNoise(1.0)
     law = transfer_operator(CircleMap.rigid(0.17), noise)
     np.testing.assert_allclose(law.density(GRID), 0.5 / np.pi, rtol=1e-12)
     np.testing.assert_allclose(np.abs(law.eigenvalues(5))[1::2], np.abs(noise.coefficients([1, 2])), atol=1e-12)
     assert abs(law.rotation_number - 0.17) <= law.rotation_number.error_bound + 1e-15 < 1e-11
-    assert abs(law.diffusion - 1 / 6) < 1e-12
 
 
 def test_what_cannot_be_computed_is_refused():
