@@ -50,16 +50,13 @@ def arc_rule(
     bandwidth: float,
     finer: int = 1,
     every_sample: bool = True,
-    cuts: Array | None = None,
 ) -> tuple[Array, Array]:
     """Gauss-Legendre panels on [start, end]: none crosses a break, each order fits its phase.
 
     With ``every_sample`` none crosses a sample of a sampled map either, where F'' jumps; without, far
-    fewer nodes. cuts : further angles between ``start`` and ``end`` that no panel crosses.
+    fewer nodes.
     """
-    edges = _edges(circle_map, start, end, every_sample)
-    edges = edges if cuts is None else np.union1d(edges, cuts)
-    return _on_panels(circle_map, edges, bandwidth, finer)
+    return _on_panels(circle_map, _edges(circle_map, start, end, every_sample), bandwidth, finer)
 
 
 def _on_panels(

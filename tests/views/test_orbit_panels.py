@@ -9,7 +9,6 @@ from cyclemap.maps import (
     WrappedNormal,
     basins,
     bifurcations,
-    follow_orbit,
     lyapunov_exponents,
     orbit_branches,
     orbit_diagram,
@@ -18,7 +17,6 @@ from cyclemap.maps import (
 )
 from cyclemap.views.orbit_panels import (
     MARKERS,
-    branch_curves,
     cut_at_turns,
     draw_basins,
     draw_density,
@@ -141,19 +139,6 @@ def test_map_without_stable_orbits_says_so() -> None:
     axes = panel()
     draw_basins(axes, basins(CircleMap.moebius(0.5, 0.3), max_period=2))
     assert written(axes) == ["no stable orbit"]
-
-
-@pytest.mark.parametrize(("period", "winding", "within"), [(1, 0, (-0.3, 0.3)), (2, 1, (0.4, 0.6))])
-def test_closed_branch_comes_back_without_a_leap(period, winding, within) -> None:
-    branch = follow_orbit(
-        lambda omega: CircleMap.arnold(omega, 0.9), 0.0, within, at=winding / period, period=period, winding=winding
-    )
-    runs = branch_curves(branch)
-    assert {stable for stable, _ in runs} == {True, False}
-    for _, (_, theta_deg) in runs:
-        assert np.abs(np.diff(theta_deg)).max() < 12.0
-    # The branch runs once round the circle, all points of an orbit together.
-    assert sum(np.abs(np.diff(theta_deg)).sum() for _, (_, theta_deg) in runs) == pytest.approx(360.0, abs=1e-6)
 
 
 def sine(K):

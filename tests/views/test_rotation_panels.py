@@ -97,14 +97,6 @@ def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> 
     png(axes)
 
 
-def test_staircase_without_plateaus_has_none() -> None:
-    omega = np.linspace(0.31, 0.32, 7)
-    axes = panel()
-    draw_rotation_numbers(axes, omega, rotation_numbers(ARNOLD_FAMILY, omega, 0.0))
-    assert len(axes.lines) == 1 and written(axes) == []
-    png(axes)
-
-
 @pytest.fixture(scope="module")
 def boundaries():
     return tongues(CircleMap.arnold, [0, (1, 2), (1, 3)], [0.4, 0.8, 1.2], (-0.5, 1.0))

@@ -165,7 +165,7 @@ class FourierDiscretisation:
         return self.carried(self.on_nodes(law))
 
     def expected_slope(self, dual: Array, at: Array | None = None) -> Array:
-        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or the angles ``at``."""
+        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or at ``at``."""
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
         back = -self._turned(_times(self.kappa, dual))

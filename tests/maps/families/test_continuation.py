@@ -84,20 +84,6 @@ def test_a_branch_in_K_passes_its_saddle_node_and_its_period_doubling():
     assert max(fold.residual, flip.residual) < 1e-14
 
 
-def test_every_orbit_of_a_branch_is_among_those_found_by_scanning():
-    start = periodic_orbits(CircleMap.arnold(0.34, 1.5), 3, 1)[0]
-    branch = follow_orbit(arnold(1.5), start, (0.2, 0.5), at=0.34)
-    checked = 0
-    for i in range(0, branch.parameter.size, 12):
-        listed = periodic_orbits(CircleMap.arnold(branch.parameter[i], 1.5), 3, 1)
-        apart = [np.max(np.abs(np.sort(np.mod(branch.points[i], TWO_PI)) - np.sort(orbit.points))) for orbit in listed]
-        best = int(np.argmin(apart))
-        assert apart[best] < 1e-9
-        assert abs(listed[best].multiplier - branch.multiplier[i]) < 1e-8
-        checked += 1
-    assert checked >= 3
-
-
 def test_a_doubled_orbit_ends_where_it_merges_with_the_orbit_of_half_its_period():
     start = periodic_orbits(CircleMap.arnold(0.05, 2.3), 2, 0)[0]
     branch = follow_orbit(lambda K: CircleMap.arnold(0.05, K), start, (1.5, 2.3), at=2.3)
@@ -251,18 +237,6 @@ def test_border_collisions_of_period_two_are_the_edges_of_a_kinked_tongue():
     assert len(edges) == 2
     assert abs(edges[0] - locked.left) <= found[0].parameter.error_bound + locked.left.error_bound
     assert abs(edges[1] - locked.right) <= found[-1].parameter.error_bound + locked.right.error_bound
-
-
-def test_a_sampled_family_has_its_saddle_node_near_that_of_the_family_it_samples():
-    x = np.linspace(0, TWO_PI, 300, endpoint=False)
-
-    def sampled(omega):
-        exact = CircleMap.arnold(omega, 0.9)
-        return CircleMap.from_samples(x, exact(x), exact.derivative(x))
-
-    found = saddle_nodes(sampled, (0.05, 0.2), resolution=4)
-    assert len(found) == 1
-    assert abs(found[0].parameter - 0.9 / TWO_PI) < 1e-9
 
 
 def test_branches_are_listed_once_each():

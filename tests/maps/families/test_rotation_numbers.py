@@ -62,32 +62,6 @@ def test_sine_maps_agree_with_long_single_runs_and_meet_the_tolerance(tolerance)
     assert compared >= 30
 
 
-def test_the_tongue_of_zero_is_found_exactly():
-    """0/1 of the sine family is |Ω| ≤ K/2π: proved a little inside, never proved outside."""
-    strength = np.linspace(0.05, 1.0, 40)[:, None]
-    edge = strength / TWO_PI
-    offsets = np.array([-1e-2, -1e-4, -1e-9, 1e-9, 1e-4, 1e-2])
-    found = rotation_numbers(ARNOLD_FAMILY, edge + offsets, strength)
-    assert found.value.shape == (40, 6)
-    inside = edge + offsets > 0
-    assert np.all(found.period[:, 0][inside[:, 0]] == 1)
-    assert np.sum(found.period[:, 1] == 1) >= 36
-    assert np.all(found.period[:, 3:] != 1)
-    assert np.all(found.lower[:, :3] <= 0.0)
-    assert np.all(found.upper[:, 3:] > 0.0)
-
-
-def test_the_numbers_grow_with_omega_and_turn_with_symmetry():
-    omega = np.linspace(0, 1, 2001)
-    found = rotation_numbers(ARNOLD_FAMILY, omega, 0.97)
-    assert np.all(np.maximum.accumulate(found.lower) <= found.upper)
-    mirrored = rotation_numbers(ARNOLD_FAMILY, -omega, 0.97)
-    assert np.all((mirrored.lower <= -found.lower) & (-found.upper <= mirrored.upper))
-    lifted = rotation_numbers(ARNOLD_FAMILY, omega + 7, 0.97)
-    assert np.all((lifted.lower - 1e-12 <= found.upper + 7) & (found.lower + 7 <= lifted.upper + 1e-12))
-    assert {1, 2, 3, 4, 5} <= set(found.period.tolist())
-
-
 def contraction_family(slope):
     def lift(theta, shift):
         turns = np.floor(theta / TWO_PI)

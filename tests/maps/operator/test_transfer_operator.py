@@ -32,15 +32,6 @@ def jumping_map():
     return CircleMap.from_samples(x, y, slopes)
 
 
-def test_known_moments_of_the_sine_map():
-    law = transfer_operator(STICKY, WrappedNormal(0.05 * TWO_PI))
-    assert abs(law.moment(1) - (0.62356060578345 + 0.69564930010307j)) < 1e-13
-    assert abs(law.rotation_number - 3.5557770716e-4) < 1e-14
-    law = transfer_operator(CircleMap.arnold(0.3, 3.0), WrappedNormal(0.1 * TWO_PI))
-    assert abs(law.moment(1) - (0.18921693126040 + 0.38553752652743j)) < 1e-13
-    assert abs(law.rotation_number - 0.11591939071721) < 1e-13
-
-
 def test_the_matrix_of_the_sine_map_is_made_of_bessel_functions():
     omega, strength, sigma = 0.23, 1.7, 0.4
     m = np.arange(-25, 26)
@@ -97,29 +88,6 @@ def test_the_law_is_a_density_that_one_cycle_leaves_unchanged(circle_map, sigma)
     assert np.min(density) > -law.error_bound
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("noise", "chains"), [(WrappedNormal(0.15), 100_000), (VonMises(3.0), 10_000)], ids=repr)
-def test_ten_million_steps_of_monte_carlo_agree_on_a_map_with_jumps_and_folds(noise, chains):
-    """Moments and mean winding of many chains of 100 cycles, after 60 to settle, within five standard errors."""
-    circle_map, rng, cycles = jumping_map(), np.random.default_rng(4), 100
-    law = transfer_operator(circle_map, noise)
-    theta = rng.uniform(0, TWO_PI, chains)
-    for _ in range(60):
-        theta = np.mod(circle_map(theta) + noise.sample(rng, chains), TWO_PI)
-    waves, turns = np.zeros((2, chains), dtype=complex), np.zeros(chains)
-    for _ in range(cycles):
-        image = circle_map(theta) + noise.sample(rng, chains)
-        turns += image - theta
-        theta = np.mod(image, TWO_PI)
-        wave = np.exp(1j * theta)
-        waves += [wave, wave**2]
-    for n in (1, 2):
-        assert abs(np.mean(waves[n - 1]) / cycles - law.moment(n)) < 5 * np.std(waves[n - 1]) / cycles / chains**0.5
-    error = np.std(turns) / cycles / chains**0.5
-    assert error < (2e-3 if chains > 10_000 else 6e-3)
-    assert abs(turns.mean() / cycles - TWO_PI * law.rotation_number) < 5 * error
-
-
 def test_expectations_have_two_routes():
     """E cos θ as an expectation is the real part of the first moment; E 1 = 1; E F' of the sine map from it too."""
     law = transfer_operator(STICKY, WrappedNormal(0.2))
@@ -143,15 +111,6 @@ def test_total_variation_is_half_the_integral_of_the_difference():
     fine = TWO_PI * (np.arange(200_000) + 0.5) / 200_000
     plain = 0.5 * np.mean(np.abs(law.density(fine) - 0.5 / np.pi)) * TWO_PI
     assert abs(law.tv_from_uniform - plain) < 1e-9
-
-
-def test_uniform_noise_has_a_basis_of_its_own():
-    """A rotation with uniform noise: uniform law, |λ_m| = |sin(mh)/(mh)|."""
-    noise = UniformNoise(1.0)
-    law = transfer_operator(CircleMap.rigid(0.17), noise)
-    np.testing.assert_allclose(law.density(GRID), 0.5 / np.pi, rtol=1e-12)
-    np.testing.assert_allclose(np.abs(law.eigenvalues(5))[1::2], np.abs(noise.coefficients([1, 2])), atol=1e-12)
-    assert abs(law.rotation_number - 0.17) <= law.rotation_number.error_bound + 1e-15 < 1e-11
 
 
 def test_what_cannot_be_computed_is_refused():
@@ -293,12 +252,3 @@ def test_many_blocks_give_what_one_gives(monkeypatch) -> None:
     assert whole.keys() == parts.keys() and len(whole) == 3
     for name, value in whole.items():
         assert parts[name] == pytest.approx(value, abs=1e-12 * np.abs(value).max()), name
-
-
-def test_the_slope_at_chosen_angles_is_the_one_at_the_nodes_there() -> None:
-    basis = FourierDiscretisation(MAP, NOISE, MODES)
-    duals = np.random.default_rng(2).standard_normal((basis.size, 3))
-    theta, _ = basis.rule
-    whole = basis.expected_slope(duals)
-    assert whole.shape == (theta.size, 3)
-    np.testing.assert_allclose(basis.expected_slope(duals, at=theta[5:20]), whole[5:20], rtol=0, atol=1e-12)

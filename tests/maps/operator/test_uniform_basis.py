@@ -7,12 +7,11 @@ from scipy.special import jv
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
 from cyclemap.maps.lifts.scan import monotone_cells
-from cyclemap.maps.noise.panels import ORDER, Panels, law_singularities, level_steps
+from cyclemap.maps.noise.panels import Panels, level_steps
 from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 
 TWO_PI = 2 * np.pi
 MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))
-GAPPED = Panels(np.array([0.0, 2.0]), np.array([1.0, 2.5]), np.array([False, False]))
 
 
 def with_roots(x):
@@ -45,27 +44,6 @@ def test_antiderivatives_are_exact_on_both_kinds_of_panels():
     expected = np.bincount(rows, weights * primitive_with_roots(x))
     np.testing.assert_allclose(MIXED.integral_matrix(x, weights, rows, 3) @ law, expected, rtol=0, atol=1e-13)
     assert abs(MIXED.mass @ law - primitive_with_roots(3.0)) < 1e-14
-
-
-def test_an_integral_stands_still_in_a_gap():
-    law = GAPPED.coefficients(np.ones(GAPPED.size))
-    x = np.array([-1.0, 0.5, 1.0, 1.7, 2.0, 2.25, 2.5, 9.0])
-    np.testing.assert_allclose(GAPPED.integral(law, x), [0, 0.5, 1, 1, 1, 1.25, 1.5, 1.5], rtol=0, atol=1e-15)
-
-
-def test_nodes_and_coordinates_are_inverse_to_each_other():
-    panel, t = MIXED.locate(MIXED.nodes)
-    np.testing.assert_array_equal(panel, np.repeat(np.arange(4), ORDER))
-    np.testing.assert_allclose(np.sort(t[:ORDER]), np.polynomial.legendre.leggauss(ORDER)[0], atol=1e-14)
-    np.testing.assert_allclose(t.reshape(4, ORDER) - t[:ORDER], 0.0, atol=1e-12)
-
-
-def test_slopes_are_the_derivatives_of_smooth_functions():
-    x = np.linspace(0.0, 3.0, 101)
-    law = MIXED.coefficients(np.sin(2 * MIXED.nodes))
-    np.testing.assert_allclose(MIXED.slope(x) @ law, 2 * np.cos(2 * x), rtol=0, atol=1e-6)
-    away = np.abs(x - 1.5) > 1e-9
-    np.testing.assert_allclose((MIXED.slope(x) @ law)[away], 2 * np.cos(2 * x[away]), rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("cuts", [np.zeros(0), np.array([0.3, 1.2, 1.9, 2.0])])
@@ -213,18 +191,6 @@ def test_level_steps_count_the_crossings_of_every_level():
         np.testing.assert_array_equal(steps.last[row] - ahead, np.floor((FOLDED(grid) - level) / TWO_PI))
         checked += int(mine.sum())
     assert checked > 41
-
-
-def test_singular_points_are_the_images_of_breaks_and_extrema():
-    h = 0.3
-    found = law_singularities(FOLDED, monotone_cells(FOLDED, 1, 0.0, 64), h)
-    extrema = np.array([np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)])
-    first = np.mod(np.concatenate([FOLDED(extrema) - h, FOLDED(extrema) + h]), TWO_PI)
-    roots = found.theta[found.root & (found.generation == 0)]
-    np.testing.assert_allclose(roots, np.sort(first), atol=1e-12)
-    second = np.sort(np.mod(np.concatenate([FOLDED(roots) - h, FOLDED(roots) + h]), TWO_PI))
-    np.testing.assert_allclose(found.theta[found.root & (found.generation == 1)], second, atol=1e-9)
-    assert law_singularities(CircleMap.rigid(0.4), monotone_cells(CircleMap.rigid(0.4), 1, 0.0, 64), h).theta.size == 0
 
 
 @pytest.mark.slow

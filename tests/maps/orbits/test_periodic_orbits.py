@@ -51,17 +51,6 @@ def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omeg
         np.testing.assert_allclose(sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6)
 
 
-def test_stable_and_unstable_points_of_a_sampled_map_alternate_and_match():
-    sine = CircleMap.arnold(0.1, 0.9)
-    x = np.linspace(0, TWO_PI, 300, endpoint=False)
-    plain = fixed_points(sine)
-    sampled = fixed_points(CircleMap.from_samples(x, sine(x), sine.derivative(x)))
-    assert [p.kind for p in sampled] == ["stable", "unstable"] == [p.kind for p in plain]
-    for one, other in zip(plain, sampled, strict=True):
-        assert abs(one.points[0] - other.points[0]) < 1e-9
-        assert abs(one.multiplier - other.multiplier) < 1e-6
-
-
 def test_windings_shift_with_the_lift():
     for turns in (-2, 0, 3):
         found = fixed_points(CircleMap.arnold(0.1 + turns, 0.9))

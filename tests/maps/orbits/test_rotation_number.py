@@ -16,7 +16,6 @@ from cyclemap.maps import (
     upper_envelope,
 )
 from cyclemap.maps.orbits.envelopes import largest_descent
-from cyclemap.maps.orbits.rotation_number import simplest_between
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)
@@ -114,18 +113,6 @@ def test_a_tolerance_saves_iterates():
     assert short.lower <= full.lower <= full.upper <= short.upper
 
 
-def test_a_lift_that_jitters_is_enclosed_by_what_it_claims():
-    """Values off by up to 1e-3 radians from a rotation: the claim of 1e-3 covers them."""
-
-    def jitter(x):
-        return 2.0 * np.mod(np.sin(x * 1e5) * 1e5, 1.0) - 1.0
-
-    noisy = CircleMap(lambda x: x + 2.4 + 1e-3 * jitter(np.mod(x, TWO_PI)), np.ones_like, max_error=1e-3)
-    found = rotation_number(noisy, iterates=2000)
-    assert found.lower <= 2.4 / TWO_PI <= found.upper
-    assert found.upper - found.lower < 2e-3
-
-
 def test_a_fold_too_narrow_to_be_seen_is_found_out_by_bounds_that_contradict_each_other():
     """One orbit falls into a slit 1e-5 wide right at its first image, the other passes beside it."""
 
@@ -192,20 +179,6 @@ def test_a_monotone_map_is_its_own_envelope():
     sine = CircleMap.arnold(0.3, 0.9)
     assert upper_envelope(sine) is sine
     assert lower_envelope(sine) is sine
-
-
-def test_simplest_fraction_has_the_smallest_denominator():
-    rng = np.random.default_rng(3)
-    checked = 0
-    for _ in range(200):
-        low = Fraction(int(rng.integers(-300, 300)), int(rng.integers(1, 60)))
-        high = low + Fraction(1, int(rng.integers(1, 400)))
-        found = simplest_between(low, high)
-        assert low <= found <= high
-        for q in range(1, found.denominator):
-            assert -(-low * q // 1) > high * q
-        checked += 1
-    assert checked == 200
 
 
 def test_other_degrees_and_bad_counts_are_refused():

@@ -11,7 +11,6 @@ from cyclemap.maps import (
     DriftingMap,
     Estimate,
     LocalNoise,
-    SlowZone,
     WrappedNormal,
     mean_passage_time,
     predict_staircase,
@@ -146,14 +145,6 @@ def test_one_of_many_is_the_single_path_to_rounding():
         (path,) = sample_staircases(circle_map, noise, 1_000, [0.5], seed=3)
         single = sample_staircase(circle_map, noise, 1_000, 0.5, seed=3)
         np.testing.assert_allclose(path, single.theta, rtol=0, atol=1e-8)
-
-
-def test_a_zones_core_is_half_as_far_from_the_centre_as_its_arc():
-    zone = SlowZone(6.0, (-1.0, 1.5), "stable", 10.0)
-    assert abs(zone.middle - (6.0 - TWO_PI)) < 1e-12
-    low, high = zone.core
-    assert abs((zone.middle - low) / (zone.middle + 1.0) - 0.5) < 1e-12
-    assert abs((high - zone.middle) / (1.5 - zone.middle) - 0.5) < 1e-12
 
 
 def test_an_attracting_jump_is_a_slow_zone():

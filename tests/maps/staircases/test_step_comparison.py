@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -82,14 +81,6 @@ def test_a_wrong_prediction_is_told_by_its_p_values():
     assert found.pace_p_value < 1e-4
 
 
-def test_the_kaplan_meier_mean_without_censoring_is_the_mean():
-    rng = np.random.default_rng(2)
-    lengths = rng.integers(1, 50, 80).astype(float)
-    mean, error = kaplan_meier_mean(lengths, np.zeros(80, dtype=bool))
-    assert abs(mean - lengths.mean()) < 1e-10
-    assert abs(error - lengths.std() / np.sqrt(80)) < 1e-10
-
-
 def test_the_kaplan_meier_mean_of_the_textbook_remission_times():
     """6-MP arm of Freireich et al. (1963): S falls to .8571 at 6, .8067 at 7, .4482 at 23 weeks."""
     weeks = [6, 6, 6, 6, 7, 9, 10, 10, 11, 13, 16, 17, 19, 20, 22, 23, 25, 32, 32, 34, 35]
@@ -123,39 +114,3 @@ def test_bad_requests_are_refused():
         with pytest.raises(InvalidInput, match="give n ≥ 1 of each"):
             kaplan_meier_mean(lengths, censored)
     assert kaplan_meier_mean([3.0], [True]) == (None, None)
-
-
-def fitted(path, good):
-    """The least-squares map of six harmonics through the unflagged pairs, and its residual scatter, radians."""
-    pairs = np.flatnonzero(good[:-1])
-    order = np.arange(1, 7)
-
-    def basis(theta):
-        waves = np.multiply.outer(theta, order)
-        return np.concatenate([np.ones((*np.shape(theta), 1)), np.cos(waves), np.sin(waves)], axis=-1)
-
-    def slope(theta):
-        waves = np.multiply.outer(theta, order)
-        return 1 + np.concatenate([-order * np.sin(waves), order * np.cos(waves)], axis=-1) @ fit[1:]
-
-    turn = path[pairs + 1] - path[pairs]
-    fit = np.linalg.lstsq(basis(path[pairs]), turn, rcond=None)[0]
-    scatter = np.sqrt(np.sum((turn - basis(path[pairs]) @ fit) ** 2) / (turn.size - 13))
-    return CircleMap(lambda theta: theta + basis(theta) @ fit, slope), float(scatter)
-
-
-def test_the_fitted_plywood_map_predicts_steps_of_a_turn_and_their_pace(measured_data: Path):
-    rows = np.genfromtxt(measured_data / "plywood_rect1_theta0_2000.csv", delimiter=",", names=True, dtype=None)
-    path = np.deg2rad(rows["theta0_accum_deg"])
-    circle_map, sigma = fitted(path, rows["flag"] == "")
-    summary = predict_staircase(circle_map, WrappedNormal(sigma))
-    assert [zone.kind for zone in summary.zones] == ["ghost"]
-    assert summary.step == TWO_PI
-    assert 85 < np.rad2deg(summary.zones[0].centre) < 105
-    assert 70 < summary.mean_residence_cycles < 95
-    found = compare_steps(find_steps(path, zones=summary.zones), summary)
-    assert 17.9 < found.net_steps < 18.1
-    assert abs(found.net_steps - found.expected_steps) < 2.5
-    # Wear makes the measured visits, 480 cycles long early on and 26 late, far more uneven than one map allows.
-    assert found.visits[0].spread > 1.5 * summary.zones[0].visit_spread
-    assert 0.7 < found.visits[0].ratio < 1.2
