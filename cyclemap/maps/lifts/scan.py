@@ -198,22 +198,7 @@ def monotone_cells(
                     f"the lift jumps by {rise[place]:.6g} radians at θ = {found.start[place]:.12g}, which is none of "
                     "its breaks: give it in breaks"
                 )
-            turning = np.flatnonzero(found.slope_start * found.slope_end < 0.0)
-            if turning.size == 0:
-                return found
-            inner_start, inner_end = (ends[turning] for ends in found.inner())
-            theta = bracketed_root(lambda x, _: iterate_slope(circle_map, x, period) - shift, inner_start, inner_end)
-            g, flat, after = iterate(circle_map, theta, period) - shift * theta, np.zeros(theta.size), turning + 1
-            return replace(
-                found,
-                start=np.insert(found.start, after, theta),
-                end=np.insert(found.end, turning, theta),
-                g_start=np.insert(found.g_start, after, g),
-                g_end=np.insert(found.g_end, turning, g),
-                slope_start=np.insert(found.slope_start, after, flat),
-                slope_end=np.insert(found.slope_end, turning, flat),
-                cut=np.insert(found.cut, after, False),
-            )
+            return _split_at_extrema(circle_map, found)
         share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
         cut, cut_end = cut[owner] & first, cut_end[owner] & last
         low, step = start[owner], (end - start)[owner]
@@ -221,6 +206,26 @@ def monotone_cells(
     raise ConvergenceError(
         f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all near θ = "
         f"{cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the break that is missing there"
+    )
+
+
+def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
+    turning = np.flatnonzero(cells.slope_start * cells.slope_end < 0.0)
+    if turning.size == 0:
+        return cells
+    start, end = (ends[turning] for ends in cells.inner())
+    theta = bracketed_root(lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, start, end)
+    g, after = iterate(circle_map, theta, cells.period) - cells.shift * theta, turning + 1
+    flat = np.zeros_like(g)
+    return replace(
+        cells,
+        start=np.insert(cells.start, after, theta),
+        end=np.insert(cells.end, turning, theta),
+        g_start=np.insert(cells.g_start, after, g),
+        g_end=np.insert(cells.g_end, turning, g),
+        slope_start=np.insert(cells.slope_start, after, flat),
+        slope_end=np.insert(cells.slope_end, turning, flat),
+        cut=np.insert(cells.cut, after, False),
     )
 
 
