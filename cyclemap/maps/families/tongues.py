@@ -190,18 +190,17 @@ class EdgeSearch:
             self.tried.clear()
             self.require_inside()
             low, high = self.within
-        error = above - below + self._moved_by(parameter, trial, unseen.value)
-        return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
-
-    def _moved_by(self, p: float, trial: _Trial, unseen: float) -> float:
-        """How far the lift's rounding and a value ``unseen`` can move the edge, to first order along its orbit."""
-        within, step = self.within, 1e-6 * (self.within[1] - self.within[0])
-        tangent = parameter_tangent(self.family, p, step, within)
+        # How far the lift's rounding and what is unseen can move the edge, to first order along its orbit.
+        step = 1e-6 * (self.within[1] - self.within[0])
+        tangent = parameter_tangent(self.family, parameter, step, self.within)
         disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
         if moved <= 0.0:
-            raise ConvergenceError(f"the orbits of rotation {self.ratio} do not move with the parameter at {p:.9g}")
+            raise ConvergenceError(
+                f"the orbits of rotation {self.ratio} do not move with the parameter at {parameter:.9g}"
+            )
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
-        return (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(p)
+        error = above - below + (LIFT * angle * disturbed + unseen.value) / moved + 2.0 * EPS * abs(parameter)
+        return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""

@@ -256,22 +256,18 @@ def law_singularities(circle_map: CircleMap, cells: Cells, halfwidth: float) -> 
         theta = np.append(theta, latest)
         generation = np.append(generation, np.full(latest.size, step))
         roots = np.append(roots, np.tile(root, 2))
-        theta, generation, roots = _merged(theta, generation, roots)
+        # Sorted, with points that are the same joined into the roughest of them.
+        order = np.argsort(theta, kind="stable")
+        theta, generation, roots = theta[order], generation[order], roots[order]
+        group = np.cumsum(np.diff(theta, prepend=theta[:1]) > _SAME)
+        leader = np.lexsort((~roots, generation, group))
+        leader = leader[np.diff(group[leader], prepend=-1) > 0]
+        theta, generation, roots = theta[leader], generation[leader], roots[leader]
         now = generation == step
         if theta.size > _MOST or not np.any(now):
             break
         values, root = circle_map(theta[now]), roots[now]
     return Singularities(theta, generation, roots)
-
-
-def _merged(theta: Array, generation: Whole, root: Mask) -> tuple[Array, Whole, Mask]:
-    """Sorted, with points that are the same joined into the roughest of them."""
-    order = np.argsort(theta, kind="stable")
-    theta, generation, root = theta[order], generation[order], root[order]
-    group = np.cumsum(np.diff(theta, prepend=theta[:1]) > _SAME)
-    leader = np.lexsort((~root, generation, group))
-    leader = leader[np.diff(group[leader], prepend=-1) > 0]
-    return theta[leader], generation[leader], root[leader]
 
 
 SHORTEST = 1e-7  # radians: panels are not cut below this
@@ -339,25 +335,17 @@ def refined(
         worth = np.where(long, worst, 0.0)
         last = np.sort(worth)[::-1][: most - panels.count][-1]  # no more than there is room for
         rough = long & (worst >= max(1.0, _FOCUS * float(np.max(worth)), float(last)))
-        cuts = _cut_points(panels, rough, singular, _CUT_AT[step % 2])
-        if cuts.size == 0:
+        # Cut at the roughest singular point inside, else halfway.
+        known, cuts = singular.upto(_CUT_AT[step % 2] - 1), []
+        for start, end in zip(panels.start[rough], panels.end[rough], strict=True):
+            margin = max(_APART, 1e-3 * (end - start))
+            a, b = np.searchsorted(known.theta, [start + margin, end - margin])
+            cuts.append(known.theta[a + int(np.argmin(known.generation[a:b]))] if b > a else 0.5 * (start + end))
+        if not cuts:
             break
-        ends = with_ends(ends, cuts)
+        ends = with_ends(ends, np.array(cuts))
         panels = panels_between(ends, root, within)
     return panels
-
-
-def _cut_points(panels: Panels, rough: Mask, singular: Singularities, below: int) -> Array:
-    """Where to cut the rough panels: at the roughest singular point inside, of generations ``below``, else halfway."""
-    known = singular.generation < below
-    theta, generation = singular.theta[known], singular.generation[known]
-    cuts = []
-    for start, end in zip(panels.start[rough], panels.end[rough], strict=True):
-        margin = max(_APART, 1e-3 * (end - start))
-        low, high = np.searchsorted(theta, [start + margin, end - margin])
-        inside = theta[low + int(np.argmin(generation[low:high]))] if high > low else 0.5 * (start + end)
-        cuts.append(float(inside))
-    return np.array(cuts)
 
 
 def resolving_cuts(circle_map: CircleMap, panels: Panels) -> Array:

@@ -281,15 +281,3 @@ def diffusion_constant(system: BorderedSystem, law: Array) -> float:
     correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
     kicked = float(np.dot(mass, basis.expected_slope(dual)))
     return 0.5 * correlated + basis.noise.variance * (0.5 + kicked)
-
-
-def diffusion_estimate(system: BorderedSystem, law: Array, finer: tuple[BorderedSystem, Array]) -> Estimate:
-    """``diffusion_constant`` with a measured bound: its distance from D on a ``finer`` system and its law.
-
-    To which is added rounding, as the norm of (I - L)⁻¹ magnifies it.
-    """
-    found = diffusion_constant(system, law)
-    if np.isinf(found):
-        return Estimate(found, 0.0)
-    rounding = INTEGRAL * (1.0 + system.inverse_norm) * (1.0 + abs(found))
-    return Estimate(found, abs(diffusion_constant(*finer) - found) + rounding)

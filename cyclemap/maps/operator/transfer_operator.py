@@ -25,7 +25,7 @@ from cyclemap.maps.operator.poisson_equation import (
     SolutionError,
     density_at,
     density_grid,
-    diffusion_estimate,
+    diffusion_constant,
     expected,
     law_error,
     map_error_of_density,
@@ -57,19 +57,6 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
     at = np.mod(at, TWO_PI)
     # A tiny negative angle rounds up to a whole turn.
     return np.sort(np.where(at >= TWO_PI, 0.0, at))
-
-
-def distance_from_uniform(density: Function, circle_map: CircleMap, grid: Array, values: Array, size: int) -> float:
-    """½ ∫ |p - 1/2π| dθ, cut where the density crosses the uniform one; ``values`` its values on ``grid``."""
-    excess = values - 0.5 / np.pi
-    crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-    if crossing.size == 0:
-        return 0.0
-    found = np.sort(bracketed_root(lambda x, _: density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
-    ends = np.append(found, found[0] + TWO_PI)
-    rules = [arc_rule(circle_map, a, b, size, every_sample=False) for a, b in pairwise(ends.tolist()) if b > a]
-    parts = [abs(float(np.dot(weight, density(theta) - 0.5 / np.pi))) for theta, weight in rules]
-    return 0.5 * float(np.sum(parts))
 
 
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
@@ -191,7 +178,12 @@ class TransferOperator:
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        return diffusion_estimate(self._system, self._law, (self._finer._system, self._finer._law))
+        found = diffusion_constant(self._system, self._law)
+        if np.isinf(found):
+            return Estimate(found, 0.0)
+        # Rounding is what the norm of (I - L)⁻¹ magnifies.
+        rounding = INTEGRAL * (1.0 + self._system.inverse_norm) * (1.0 + abs(found))
+        return Estimate(found, abs(diffusion_constant(self._finer._system, self._finer._law) - found) + rounding)
 
     @cached_property
     def tv_from_uniform(self) -> Estimate:
@@ -204,8 +196,14 @@ class TransferOperator:
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
         if farthest <= 4.0 * self.error_bound:
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
-        found = distance_from_uniform(self.density, self.map, grid, values, self.modes)
-        return Estimate(found, min(1.0, known))
+        # Cut where the density crosses the uniform one.
+        excess = values - 0.5 / np.pi
+        crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
+        found = np.sort(bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
+        ends = np.append(found, found[0] + TWO_PI).tolist()
+        rules = [arc_rule(self.map, a, b, self.modes, every_sample=False) for a, b in pairwise(ends) if b > a]
+        parts = [abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules]
+        return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
 
     def peaks(self) -> Array:
         """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is uniform.

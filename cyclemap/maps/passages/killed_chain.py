@@ -218,13 +218,6 @@ class KilledChain:
         """The chain on its own nodes, eliminated."""
         return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
 
-    def with_noise(self, noise: Noise) -> KilledChain:
-        """The same map, arcs and exits under another noise, on nodes for it."""
-        most = max(MAX_UNKNOWNS, self.theta.size)
-        return killed_chain(
-            self.map, noise, self.arcs, self.exits, self.lifted, every_sample=self.every_sample, most=most
-        )
-
     def distance(self, gap: Array) -> Array:
         """How far a noise must carry the path over a gap, at least: the shorter way where it is on the circle."""
         return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
@@ -239,11 +232,6 @@ class KilledChain:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
         return (self.noise.line_density(gap) if self.lifted else self.noise.density(gap)) * self.weight
-
-    def transition_slopes(self, images: Array) -> Array:
-        """(m, n): d/dF of ``transitions``."""
-        gap = self.theta - images[:, None]
-        return -(self.noise.line_slope(gap) if self.lifted else self.noise.slope(gap)) * self.weight
 
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
@@ -293,12 +281,6 @@ class Expectation:
         """X(θ)."""
         return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
 
-    def map_slope(self, images: Array, chain: KilledChain, change: Array) -> Array:
-        """How fast c + ∫ g(y - F) X dy grows with F alone; ``change`` is X - top on the nodes of ``chain``."""
-        return np.asarray(
-            (self.at - self.top) @ chain.departure_slopes(images) + chain.transition_slopes(images) @ change
-        )
-
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's ``max_error``.
 
@@ -319,7 +301,10 @@ class Expectation:
         residual, size = np.where(size <= other_size, residual, other), np.minimum(size, other_size)
         padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
         widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
-        slope = np.abs(self.map_slope(images, fine, on_fine[1]))
+        # How fast c + ∫ g(y - F) X dy grows with F alone.
+        gap = fine.theta - images[:, None]
+        pushed = (chain.noise.line_slope(gap) if chain.lifted else chain.noise.slope(gap)) * fine.weight @ on_fine[1]
+        slope = np.abs((self.at - self.top) @ fine.departure_slopes(images) - pushed)
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
         own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))

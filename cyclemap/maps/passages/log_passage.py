@@ -20,6 +20,7 @@ from cyclemap.maps.passages.killed_chain import (
     KilledChain,
     arc_chain,
     arc_ends,
+    killed_chain,
     required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
@@ -129,7 +130,9 @@ def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
         moves[:, first] = -np.inf
         log_h = _log_leaving(moves, out)
     else:
-        wider = chain.with_noise(WrappedNormal(2.0 * chain.noise.variance**0.5))
+        noise, most = WrappedNormal(2.0 * chain.noise.variance**0.5), max(MAX_UNKNOWNS, chain.theta.size)
+        settings = chain.map, noise, chain.arcs, chain.exits, chain.lifted
+        wider = killed_chain(*settings, every_sample=chain.every_sample, most=most)
         if wider.theta.size >= chain.theta.size:  # as coarse as the map allows, and still too fine
             return None
         at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
