@@ -76,9 +76,9 @@ def lyapunov_exponents(
     """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that broadcast together.
 
     family : parameters → CircleMap. A ``ParametricLift`` that has a derivative, ``CircleMap.arnold`` and
-    ``CircleMap.moebius`` are followed all together, others one by one, a hundred times slower. One array gives a
-    curve, ``values[:, None]`` and another one a plane. The mean of ln|F'| over ``cycles`` cycles after
-    ``transient`` ones: good to about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far better.
+        ``CircleMap.moebius`` are followed all together, others one by one, a hundred times slower. The mean of ln|F'|
+        over ``cycles`` cycles after ``transient`` ones: good to about 1/cycles on periodic orbits;
+        ``lyapunov_exponent`` solves one map's far better.
 
     Raises InvalidInput for parameters that are not finite, none at all, or a family that gives no CircleMap.
 

@@ -274,12 +274,10 @@ class CircleMap:
     def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
         """The lift made of branches, each a function on its own interval.
 
-        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting
-            where the one before ends (to 1e-12), together one turn. Every lift and derivative is a callable
-            as for ``CircleMap`` but is called on its own [start, end] only; derivative None takes
-            differences of fourth order inside that interval.
-        degree : any whole number. F(θ + 2π) = F(θ) + 2π·degree carries the branches along the line, so the
-            last end meets the first start there, with or without a jump.
+        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting where the
+            one before ends (to 1e-12), together one turn. Lifts and derivatives are callables as for ``CircleMap``,
+            called on their own [start, end] only; derivative None takes differences inside that interval.
+        degree : any whole number; with it the last end meets the first start, with or without a jump.
 
         Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative 1e-9; 1e-6 by
         differences); at a seam the map takes the value of the branch that starts there.

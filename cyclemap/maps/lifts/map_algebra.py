@@ -44,30 +44,6 @@ class InverseLift:
             return np.where(high > low, 1.0 / slope, 0.0)
 
 
-def inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
-    """The inverse of a map whose branches all run in the direction of its degree, jumps and plateaus included."""
-    degree = circle_map.degree
-    theta = np.concatenate([part.table.theta for part in parts])
-    value = np.concatenate([part.table.value for part in parts])
-    plateau_ends = [
-        (part.direction == 0) & np.isin(np.arange(n := part.table.theta.size), [0, n - 1]) for part in parts
-    ]
-    bent = np.concatenate(plateau_ends) | (distance_to_break(circle_map.breaks, theta) <= SNAP)
-    base = base_angles(value)
-    moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
-    order = np.lexsort((degree * moved, base))
-    theta, value = moved[order], base[order]
-    # Carried on by one node below 0 and one above 2π, in the order of θ.
-    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])[::degree]
-    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[::degree]
-    theta = np.maximum.accumulate(theta)
-    # The two sides of a jump, a turn apart, are one angle however they were rounded.
-    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
-    table = MonotoneTable(theta[apart][np.cumsum(apart) - 1], value, degree, circle_map)
-    breaks = np.unique(base[bent])
-    return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
-
-
 @dataclass(frozen=True, eq=False)
 class Stage:
     """One map of the chain and, for each piece of the composite, where its argument stays.
@@ -145,26 +121,6 @@ class CompositeLift:
         return lift
 
 
-def composite_lift(maps: list[CircleMap], breaks: Array) -> CompositeLift:
-    """The chain of ``maps``, the first applied first; ``breaks`` are all the breaks of the composite, [0, 2π)."""
-    stages = [Stage(maps[0])]
-    if breaks.size:
-        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-        angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
-    for circle_map in maps[1:]:
-        own = circle_map.breaks
-        if own.size == 0:
-            stages.append(Stage(circle_map))
-        else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
-            turns, around = np.floor(angle / TWO_PI), np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI])
-            above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
-            margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
-            stages.append(Stage(circle_map, (turns, around[above - 1] + margin, around[above] - margin)))
-        if breaks.size:
-            angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
-    return CompositeLift(tuple(stages), breaks)
-
-
 MAX_BREAKS = 250_000
 _SAME = 8.0 * INSET  # radians: breaks nearer than this are one
 _GRID = TWO_PI * np.arange(2048.0) / 2048.0
@@ -174,9 +130,8 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     """θ → outer(inner(θ)); its degree is the product of the two degrees.
 
     Breaks: those of ``inner`` and the preimages under it of those of ``outer``, on each side of which the composite
-    keeps to its own side of the outer break. Derivative by the chain rule. ``max_error`` is E_outer + L·E_inner
-    with L the largest |outer'| at 2,048 angles: measured, and good where ``outer`` has no jump within E_inner.
-    Samples are not kept: ``pieces`` is None.
+    keeps to its own side of the outer break. ``max_error`` is E_outer + L·E_inner with L the largest |outer'| at 2,048
+    angles: measured, and good where ``outer`` has no jump within E_inner. Samples are not kept: ``pieces`` is None.
 
     Raises ConvergenceError when the composite has more than 250,000 breaks.
 
@@ -248,11 +203,10 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
 def inverse(circle_map: CircleMap) -> CircleMap:
     """F⁻¹ of a monotone map of degree 1 or -1, continuous from the right; its derivative 1/F'(F⁻¹).
 
-    Homeomorphisms, rising or falling, are inverted to rounding. Where F jumps its inverse is constant, along the
-    whole gap; where F is constant its inverse jumps. So F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y for
-    every y that F takes. Breaks: the images of the breaks, both sides of a jump, and the levels of plateaus. The
-    derivative is inf where F' = 0 at one point. ``max_error`` is the most that F⁻¹ moves when y moves by the
-    ``max_error`` of F, measured at 2,048 angles and the breaks.
+    Homeomorphisms are inverted to rounding. Where F jumps its inverse is constant, along the whole gap; where F is
+    constant its inverse jumps: F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y for every y that F takes. Breaks: the
+    images of the breaks, both sides of a jump, and the levels of plateaus. The derivative is inf where F' = 0.
+    ``max_error`` is the most that F⁻¹ moves when y moves by that of F, measured at 2,048 angles and the breaks.
 
     Raises InvalidInput for other degrees, and when F folds or jumps backwards: use ``branches`` then.
 
@@ -273,15 +227,54 @@ def inverse(circle_map: CircleMap) -> CircleMap:
         jump = after.start_value + TWO_PI * degree * lap - part.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
-    lift = inverse_lift(circle_map, parts)
+    lift = _inverse_lift(circle_map, parts)
     values = np.concatenate([_GRID, lift.breaks])
     moved = float(np.max(np.abs(lift(values + error) - lift(values - error)))) if error else 0.0
     made = CircleMap(lift, lift.derivative, lift.breaks, degree, max_error=moved)
     return made.remade_by(inverse, circle_map)
 
 
+def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
+    degree = circle_map.degree
+    theta = np.concatenate([part.table.theta for part in parts])
+    value = np.concatenate([part.table.value for part in parts])
+    bent = distance_to_break(circle_map.breaks, theta) <= SNAP
+    for part, beyond in zip(parts, np.cumsum([part.table.theta.size for part in parts]), strict=True):
+        if part.direction == 0:  # both ends of a plateau
+            bent[[beyond - part.table.theta.size, beyond - 1]] = True
+    base = base_angles(value)
+    breaks = np.unique(base[bent])
+    moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
+    order = np.lexsort((degree * moved, base))
+    theta, value = moved[order], base[order]
+    # Carried on by one node below 0 and one above 2π, in the order of θ.
+    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])[::degree]
+    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[::degree]
+    theta = np.maximum.accumulate(theta)
+    # The two sides of a jump, a turn apart, are one angle however they were rounded.
+    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
+    table = MonotoneTable(theta[apart][np.cumsum(apart) - 1], value, degree, circle_map)
+    return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
+
+
 def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> CircleMap:
-    lift = composite_lift(maps, breaks)
+    """The chain of ``maps``, the first applied first; ``breaks`` are all its breaks, in [0, 2π)."""
+    stages = [Stage(maps[0])]
+    if breaks.size:
+        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
+    for circle_map in maps[1:]:
+        own = circle_map.breaks
+        if own.size == 0:
+            stages.append(Stage(circle_map))
+        else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
+            turns, around = np.floor(angle / TWO_PI), np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI])
+            above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
+            margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
+            stages.append(Stage(circle_map, (turns, around[above - 1] + margin, around[above] - margin)))
+        if breaks.size:
+            angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
+    lift = CompositeLift(tuple(stages), breaks)
     degree = math.prod(circle_map.degree for circle_map in maps)
     return CircleMap.with_scalar(
         lift, lift.derivative, lift.scalar(), breaks=breaks, degree=degree, max_error=max_error

@@ -74,15 +74,12 @@ class PeriodicPoints:
 def periodic_points(circle_map: CircleMap, period: int, winding: int | None = None) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
 
-    One turn is cut into cells (512 of them or more; the samples of a sampled map, the breaks of Fⁿ and
-    the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
-    each cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
-    bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
-    Complete but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
-    milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding) count as one: a
-    "saddle-node" where the curve keeps its side, a crossing where it changes it. All points of an orbit are judged
-    alike.
-    A curve that ends within 1e-12 of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
+    One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each cell's ends meets Fⁿ at
+    inner probes, and split at the extrema of Fⁿ - id. Then every sign change is bracketed and solved to rounding
+    (Chandrupatla 1997, and Newton's steps). Complete but for pairs of extrema of a hump or dent of F narrower, at half
+    its height, than a tenth of a milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus
+    rounding) count as one: a "saddle-node" where the curve keeps its side, a crossing where it changes it; a curve that
+    ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit are judged alike.
 
     Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells.
 
@@ -292,10 +289,8 @@ class Orbit:
 def fixed_points(circle_map: CircleMap) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
-    Found and judged as in ``periodic_points`` with period 1: complete but for pairs of extrema that F
-    hides within a tenth of a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
-    kind "saddle-node", never two and never none. A fixed point on a kink carries both one-sided multipliers.
-    Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
+    Found and judged as in ``periodic_points`` with period 1. A fixed point on a kink carries both one-sided
+    multipliers. Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
 
     Raises InvalidInput when a whole arc is fixed (the identity), ConvergenceError when the map is too steep.
 

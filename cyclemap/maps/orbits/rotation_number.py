@@ -29,17 +29,16 @@ def birkhoff_average(
 ) -> Estimate:
     """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N.
 
-    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls faster than
-    any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity 30, 2017.) On a chaotic
-    orbit it is about that of a plain mean, 1/√N.
+    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls faster than any power of
+    1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity 30, 2017.) On a chaotic orbit it is about that
+    of a plain mean, 1/√N.
 
-    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a cycle,
-        which needs degree 1. -inf is allowed as a value and makes the mean -inf.
+    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a cycle, which needs
+        degree 1. -inf is allowed as a value and makes the mean -inf.
     start : radians; iterates : N, at least 16; transient : cycles run before the averaging begins.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first and the last half of
-    the orbit, which converge like the whole at half its length, plus rounding of a few units of the largest value.
-    It says how well this orbit's mean is known, in exact arithmetic on the map as given.
+    The error bound is estimated, not proved: the larger distance from the means over the first and the last half of the
+    orbit, which converge like the whole at half its length, plus rounding.
 
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13

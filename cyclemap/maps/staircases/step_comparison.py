@@ -48,13 +48,11 @@ class StepComparison:
 
     mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
     predicted_length : the prediction's mean residence, cycles; ratio : mean_length over it.
-    net_steps, expected_steps, net_error : climb of the path from its first to its last cycle in units of the predicted
-        step, the prediction's for as many cycles, and the standard error of their difference: over the periods from
-        one dwell to the next, height less predicted turn is a reward of mean 0, so the whole path's climb less
-        its expectation has their variance times the number of periods (renewal-reward theorem: Ross 1996, sec. 3.6).
+    net_steps, expected_steps, net_error : climb of the path in units of the predicted step, the prediction's for as
+        many cycles, and the standard error of their difference: from one dwell to the next, height less predicted turn
+        is a reward of mean 0, so the difference has their variance times the number of periods (Ross 1996, sec. 3.6).
     pace_p_value : two-sided, Student's law for that difference over its error; None below 8 periods. Over 12 to 18
-        periods it is measured to reject a true prediction in 3.5 % of runs at the 5 % level, in 8 % at 10 %: it is a
-        little too large, and not uniform, since a short climb is nearly a whole number of steps.
+        periods it is measured to reject a true prediction in 3.5 % of runs at the 5 % level, in 8 % at 10 %.
     visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own zones.
     """
 

@@ -15,8 +15,6 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
 
-Counts = Whole
-
 _SLOW = 2.0  # a dwell is at least this much slower than the path is on average over its height
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
 _WIDEST = np.pi / 4  # radians: half the height that the widest window tried lets a dwell cover
@@ -41,14 +39,14 @@ class Steps:
     zones : those looked for, else ().
     """
 
-    start: Counts
-    end: Counts
+    start: Whole
+    end: Whole
     levels: Array
     scatter: Array
-    visit_start: Counts
-    visit_end: Counts
-    visit_dwell: Counts
-    visit_zone: Counts
+    visit_start: Whole
+    visit_end: Whole
+    visit_dwell: Whole
+    visit_zone: Whole
     cycles: int
     climb: float
     zones: tuple[SlowZone, ...] = ()
@@ -63,12 +61,12 @@ class Steps:
         return np.diff(self.levels)
 
     @property
-    def lengths(self) -> Counts:
+    def lengths(self) -> Whole:
         """Shape (m,), cycles that each dwell lasts, both ends included; too short where ``censored``."""
         return self.end - self.start + 1
 
     @property
-    def periods(self) -> Counts:
+    def periods(self) -> Whole:
         """Shape (m - 1,), cycles from the start of each dwell to the start of the next."""
         return np.diff(self.start)
 
@@ -158,7 +156,7 @@ def _within(path: Array, window: float) -> Steps:
     return _made(path, runs, window)
 
 
-def _reach(path: Array, span: float) -> Counts:
+def _reach(path: Array, span: float) -> Whole:
     """For each cycle n the last cycle m for which the angles n, ..., m span at most ``span``."""
     values, reach = path.tolist(), np.empty(path.size, dtype=np.int64)
     high: deque[int] = deque()
@@ -213,9 +211,7 @@ def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
     return _gathered(still, start, end, dwell, index, zones)
 
 
-def _gathered(
-    path: Array, start: Counts, end: Counts, dwell: Counts, zone: Counts, zones: tuple[SlowZone, ...]
-) -> Steps:
+def _gathered(path: Array, start: Whole, end: Whole, dwell: Whole, zone: Whole, zones: tuple[SlowZone, ...]) -> Steps:
     """Steps from visits and the dwell each belongs to."""
     many = int(dwell[-1]) + 1 if dwell.size else 0
     first, last = np.searchsorted(dwell, np.arange(many)), np.searchsorted(dwell, np.arange(many), side="right") - 1
