@@ -278,11 +278,6 @@ class TongueBoundaries:
     right_error: Array
     folded: Mask
 
-    @property
-    def width(self) -> Array:
-        """right - left, shape (k, m), zero where the edges agree within rounding."""
-        return np.maximum(self.right - self.left, 0.0)
-
 
 def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.

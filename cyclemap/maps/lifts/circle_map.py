@@ -301,13 +301,13 @@ class CircleMap:
     ) -> CircleMap:
         """The piecewise cubic Hermite lift through samples (θ_i, F(θ_i)) of one turn.
 
-        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point.
-            An angle given twice is a break: its first entry is the limit from the left, its second from
-            the right; different values make a jump, equal values with different slopes a kink. An end
-            point whose value is not F(θ_0) + 2π·degree makes a break at θ_0.
+        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point. An angle given
+            twice is a break: first its limit from the left, then from the right; different values make a jump, equal
+            values with different slopes a kink. An end point whose value is not F(θ_0) + 2π·degree makes a break at
+            θ_0.
         lifted : shape (n,), radians, not wrapped.
-        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland
-            1984): monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²) to O(h³) without.
+        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland 1984):
+            monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²) to O(h³) without.
 
         >>> import numpy as np
         >>> x = np.linspace(0, 2 * np.pi, 200, endpoint=False)

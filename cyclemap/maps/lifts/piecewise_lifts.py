@@ -243,8 +243,8 @@ class BranchedLift:
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
         starts, climb = self.starts.tolist(), TWO_PI * self.degree
-        rows: list[tuple[Scalar, float, float, float, float]] = [
-            (_for_one_float(piece), TWO_PI * shift, piece.start, piece.end, climb * shift)
+        rows: list[tuple[Lift, float, float, float, float]] = [
+            (piece.lift, TWO_PI * shift, piece.start, piece.end, climb * shift)
             for piece, shift in zip(self.pieces, self.shift.tolist(), strict=True)
         ]
 
@@ -252,7 +252,7 @@ class BranchedLift:
             turns = floor(theta / TWO_PI)
             base = theta - TWO_PI * turns
             one, ahead, start, end, risen = rows[bisect_right(starts, base) - 1]
-            return one(min(max(base + ahead, start), end)) + climb * turns - risen
+            return float(one(np.asarray(min(max(base + ahead, start), end)))) + climb * turns - risen
 
         return lift
 
@@ -329,16 +329,3 @@ def _differing(pieces: tuple[Piece, ...], degree: int) -> list[bool]:
         kinks = abs(slope_after - slope_before) > allowed * (1.0 + abs(slope_after))
         found.append(bool(jumps or kinks))
     return found
-
-
-def _for_one_float(piece: Piece) -> Scalar:
-    """The branch for one python float: called with it directly where that gives the same values, else by array."""
-    lift: Any = piece.lift
-    probes = [piece.start, 0.5 * (piece.start + piece.end), piece.end]
-    try:
-        plain = [lift(x) for x in probes]
-        if all(isinstance(y, float) for y in plain) and plain == [float(lift(np.asarray(x))) for x in probes]:
-            return lambda x: float(lift(x))
-    except (TypeError, ValueError, IndexError, AttributeError):
-        pass
-    return lambda x: float(lift(np.asarray(x)))

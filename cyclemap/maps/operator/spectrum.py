@@ -53,7 +53,22 @@ def leading_values(basis: Discretisation, count: int) -> Complex:
 
 def leading_spectrum(basis: Discretisation, finer: Discretisation | None, law: Array, count: int) -> Spectrum:
     """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer basis."""
-    values, right, left = _two_sided(_deflated(basis), count - 1, basis.size <= _DENSE)
+    deflated, wanted = _deflated(basis), max(count - 1, 8)
+    if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
+        from scipy.linalg import eig
+
+        found = eig(deflated, left=True)
+        values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
+        left = left.conj()
+    else:
+        values, right = _arnoldi(deflated, wanted)
+        others, left = _arnoldi(deflated.T, wanted)
+        left = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
+    order = _falling(values)[:wanted]
+    values, right, left = values[order], right[:, order], left[:, order]
+    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
+    kept = np.abs(values) > _TOO_SMALL
+    left[:, kept] = deflated.T @ left[:, kept] / values[kept]
     values = np.concatenate([[1.0 + 0.0j], values])
     # A left vector of the deflated matrix is one of L but for its share of the first, which is the mass.
     left = left - np.multiply.outer(basis.mass, law @ left)
@@ -123,26 +138,6 @@ def _deflated(basis: Discretisation) -> Array:
 def _falling(values: Complex) -> Whole:
     """Order by falling modulus, of a pair the one above the real line first."""
     return np.lexsort((-values.imag, -np.round(np.abs(values), 13)))
-
-
-def _two_sided(matrix: Array, count: int, dense: bool) -> tuple[Complex, Complex, Complex]:
-    """The ``count`` leading eigenvalues (a few more where they are at hand), right and left vectors."""
-    if dense or 2 * count + 10 >= matrix.shape[0]:
-        from scipy.linalg import eig
-
-        found = eig(matrix, left=True)
-        values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
-        left = left.conj()
-    else:
-        values, right = _arnoldi(matrix, max(count, 8))
-        others, left = _arnoldi(matrix.T, max(count, 8))
-        left = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
-    order = _falling(values)[: max(count, 8)]
-    values, right, left = values[order], right[:, order], left[:, order]
-    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
-    kept = np.abs(values) > _TOO_SMALL
-    left[:, kept] = matrix.T @ left[:, kept] / values[kept]
-    return values, right, left
 
 
 def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:

@@ -53,31 +53,26 @@ def uniform_discretisation(
     ends = with_ends(np.array([0.0, TWO_PI]), circle_map.breaks)
     ends = with_ends(ends, singular.upto(1).theta)
     ends = with_ends(ends, np.linspace(0.0, TWO_PI, _FIRST + 1))
-    panels = refined(
-        ends,
-        singular,
-        lambda trial: _test_functions(UniformDiscretisation(circle_map, noise, trial, cells)),
-        _TOLERANCES,
-        most,
-    )
+
+    def tried(panels: Panels) -> Array:
+        """(n, 5): the stationary law, and the waves cos, sin of θ and 2θ after a few cycles."""
+        trial = UniformDiscretisation(circle_map, noise, panels, cells)
+        columns = [wave(k * panels.nodes) for wave in (np.cos, np.sin) for k in (1, 2)]
+        waves = panels.coefficients(np.stack(columns, axis=1))
+        for _ in range(_CYCLES):
+            waves = trial.matrix @ waves
+        bordered = np.eye(trial.size) - trial.matrix + np.outer(trial.uniform, trial.mass)
+        try:
+            law = np.linalg.solve(bordered, trial.uniform)
+        except np.linalg.LinAlgError:
+            law = np.full(trial.size, np.nan)
+        if not np.all(np.isfinite(law)):
+            # Two arcs that the noise never connects: the law is not unique, but its parts are as rough as this.
+            law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
+        return np.column_stack([law, waves])
+
+    panels = refined(ends, singular, tried, _TOLERANCES, most)
     return UniformDiscretisation(circle_map, noise, panels, cells)
-
-
-def _test_functions(trial: UniformDiscretisation) -> Array:
-    """(n, 5): the stationary law, and the waves cos, sin of θ and 2θ after a few cycles."""
-    nodes = trial.panels.nodes
-    waves = trial.panels.coefficients(np.stack([wave(k * nodes) for wave in (np.cos, np.sin) for k in (1, 2)], axis=1))
-    for _ in range(_CYCLES):
-        waves = trial.matrix @ waves
-    bordered = np.eye(trial.size) - trial.matrix + np.outer(trial.uniform, trial.mass)
-    try:
-        law = np.linalg.solve(bordered, trial.uniform)
-    except np.linalg.LinAlgError:
-        law = np.full(trial.size, np.nan)
-    if not np.all(np.isfinite(law)):
-        # Two arcs that the noise never connects: the law is not unique, but its parts are as rough as this.
-        law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
-    return np.column_stack([law, waves])
 
 
 @dataclass(frozen=True, eq=False)

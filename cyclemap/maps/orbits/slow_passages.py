@@ -31,9 +31,8 @@ class SlowPassage:
     passage_cycles : nπ/√(aε), cycles of F: the time from far on one side to far on the other, to leading order.
     direction : 1 when the orbit moves up through it, -1 down.
     relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that takes 84 % of the
-        passage; of order ε as ε → 0 at a smooth quadratic bottleneck. Measured, not proved: the true number is the
-        integral of dx/v, v the flow that interpolates the map (see ``slow_passages``). inf where that stretch holds
-        a zero of v, a break, or more than a turn.
+        passage; of order ε. Measured, not proved: the true number is the integral of dx/v, v the flow that interpolates
+        the map. inf where that stretch holds a zero of v, a break, or more than a turn.
     """
 
     theta: float
@@ -54,10 +53,9 @@ def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = 
     downward move), by more than 1e-12 radians (nearer it is a saddle-node, see ``periodic_points``), whose passage
     π/√(aε) takes at least 10 cycles of F in all, and whose |ε| is at most half the mean of |Fⁿ - id - 2πw| over the
     circle.
-    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross.
-    A passage near an orbit of period n shows at each of its n points; those of a divisor of n are left out.
-    At kinks and jumps the parabola does not hold (on a kink with slopes of the move -s and t the passage takes about
-    n(1/s + 1/t) ln(1/ε) cycles): they are left out.
+    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross. A
+    passage near an orbit of period n shows at each of its n points; those of a divisor of n are left out, and so are
+    kinks and jumps, where the parabola does not hold.
 
     x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics and Chaos, 4.3).
     The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 + ..., so that dt = dx/v.

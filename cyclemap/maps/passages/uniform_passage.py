@@ -345,7 +345,17 @@ def _chain(
     """Panels on which the solution is resolved; ``marks`` are the ends of the arcs that matter."""
     inner = Reach(reach.map, reach.cells, reach.halfwidth, domain)
     edges = np.concatenate([domain.start, domain.end, np.array(marks)])
-    kinks = _kinks(inner, edges)
+    # Kinks: angles x with F(x) ± h at an edge (generation 0), or at a kink of the generation before.
+    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, inner.map.breaks)
+    for step in range(_GENERATIONS):
+        found = inner.cut(inner.preimages(np.append(values - inner.halfwidth, values + inner.halfwidth)))
+        fresh = found[~np.isin(found, theta)]
+        if theta.size + fresh.size > _MOST and step > 0:
+            break
+        theta, generation = np.append(theta, fresh), np.append(generation, np.full(fresh.size, step))
+        values = fresh
+    order = np.argsort(theta, kind="stable")
+    kinks = Singularities(theta[order], generation[order], np.zeros(theta.size, dtype=bool))
 
     def chain(panels: Panels) -> _Chain:
         missing = max(domain.length - float(np.sum(panels.end - panels.start)), 0.0)
@@ -360,17 +370,3 @@ def _chain(
         return trial.law[:, None] / max(float(np.max(np.abs(trial.law))), 1.0)
 
     return chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), most, domain.hold, progress))
-
-
-def _kinks(reach: Reach, edges: Array) -> Singularities:
-    """Angles x with F(x) ± h at an edge (generation 0), or at a kink of the generation before."""
-    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, reach.map.breaks)
-    for step in range(_GENERATIONS):
-        found = reach.cut(reach.preimages(np.append(values - reach.halfwidth, values + reach.halfwidth)))
-        fresh = found[~np.isin(found, theta)]
-        if theta.size + fresh.size > _MOST and step > 0:
-            break
-        theta, generation = np.append(theta, fresh), np.append(generation, np.full(fresh.size, step))
-        values = fresh
-    order = np.argsort(theta, kind="stable")
-    return Singularities(theta[order], generation[order], np.zeros(theta.size, dtype=bool))

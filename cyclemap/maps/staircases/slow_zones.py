@@ -284,10 +284,10 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
     """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
 
     At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the frozen map; and the
-    expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until
-    halving changes the sum by less than a hundredth of a turn, that change being the bound (measured). The
-    law follows a drifting map with a lag of its relaxation time (Gardiner, Stochastic Methods, 2009, ch. 8):
-    ``lag_turns`` tells how much that may matter, and the start's own approach adds up to a turn.
+    expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until halving
+    changes the sum by less than a hundredth of a turn, that change being the bound (measured). The law lags behind a
+    drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter, and the
+    start's own approach adds up to a turn.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])

@@ -220,7 +220,8 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
 @pytest.mark.parametrize("q", [1, 2, 3])
 def test_tongues_open_like_K_to_the_q(q):
     strengths = np.array([0.05, 0.1, 0.2])
-    widths = tongues(CircleMap.arnold, [Fraction(1, q)], strengths, WIDE).width[0]
+    curves = tongues(CircleMap.arnold, [Fraction(1, q)], strengths, WIDE)
+    widths = curves.right[0] - curves.left[0]
     orders = np.diff(np.log(widths)) / np.diff(np.log(strengths))
     assert np.all(np.abs(orders - q) < 0.05)
 
@@ -248,7 +249,7 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
             assert abs(single.left - curves.left[i, j]) <= single.left.error_bound + curves.left_error[i, j]
             assert abs(single.right - curves.right[i, j]) <= single.right.error_bound + curves.right_error[i, j]
     assert np.array_equal(np.any(curves.folded, axis=0), strengths > 1)
-    assert np.all(np.diff(curves.width, axis=1) > 0)
+    assert np.all(np.diff(curves.right - curves.left, axis=1) > 0)
 
 
 @pytest.mark.parametrize(
