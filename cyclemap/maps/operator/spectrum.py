@@ -51,7 +51,7 @@ def leading_values(basis: Discretisation, count: int) -> Complex:
     return np.concatenate([[1.0 + 0.0j], found[_falling(found)]])[:count]
 
 
-def leading_spectrum(basis: Discretisation, finer: Discretisation | None, law: Array, count: int) -> Spectrum:
+def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, count: int) -> Spectrum:
     """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer basis."""
     deflated, wanted = _deflated(basis), max(count - 1, 8)
     if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
@@ -154,11 +154,9 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
 
 
 def _error_bounds(
-    basis: Discretisation, finer: Discretisation | None, values: Complex, right: Complex, left: Complex
+    basis: Discretisation, finer: Discretisation, values: Complex, right: Complex, left: Complex
 ) -> Array:
     """How far the finer basis moves every eigenvalue, to first order where it has no further functions."""
-    if finer is None:
-        return np.full(values.size, np.inf)
     if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
         # Real columns: with complex ones all waves would be made complex first.
         carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))

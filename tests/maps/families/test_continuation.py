@@ -154,18 +154,6 @@ def test_the_family_is_never_called_outside_the_range():
     assert max(asked) <= 0.5
 
 
-def test_a_map_of_degree_two_is_followed_too():
-    def family(p):
-        return CircleMap(lambda x: 2 * x + p * np.sin(x), lambda x: 2 + p * np.cos(x), degree=2)
-
-    start = periodic_orbits(family(0.0), 3)[0]
-    branch = follow_orbit(family, start, (0.0, 0.5))
-    assert branch.ends == ("end of the range", "end of the range")
-    listed = periodic_orbits(family(0.5), 3)
-    end = np.sort(np.mod(branch.points[np.argmax(branch.parameter)], TWO_PI))
-    assert min(np.max(np.abs(end - np.sort(orbit.points))) for orbit in listed) < 1e-10
-
-
 def test_a_branch_can_be_started_on_its_saddle_node():
     K = 0.5
     branch = follow_orbit(arnold(K), np.pi / 2, (-0.2, 0.2), at=K / TWO_PI)

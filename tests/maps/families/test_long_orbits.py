@@ -83,6 +83,11 @@ def test_the_error_bound_holds_at_every_length_and_falls_faster_than_any_power(c
     assert sum(step > 100 for step in steps) >= 2
 
 
+def test_a_value_of_minus_infinity_makes_the_mean_so():
+    nothing = birkhoff_average(CircleMap.rigid(0.1), lambda x: np.full_like(x, -np.inf), iterates=16)
+    assert nothing == -np.inf and nothing.error_bound == 0.0
+
+
 @pytest.mark.slow
 def test_chaotic_orbits_have_a_bound_of_a_plain_means_size():
     """x → 3x (mod 2π): cos has mean 0 and variance 1/2; the bound is of the order of the sampling error."""

@@ -216,16 +216,6 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("q", [1, 2, 3])
-def test_tongues_open_like_K_to_the_q(q):
-    strengths = np.array([0.05, 0.1, 0.2])
-    curves = tongues(CircleMap.arnold, [Fraction(1, q)], strengths, WIDE)
-    widths = curves.right[0] - curves.left[0]
-    orders = np.diff(np.log(widths)) / np.diff(np.log(strengths))
-    assert np.all(np.abs(orders - q) < 0.05)
-
-
 def test_a_folded_tongue_is_where_an_orbit_of_that_rotation_number_exists():
     found = tongue(arnold(2.0), (1, 3), WIDE)
     assert found.folded

@@ -51,13 +51,6 @@ def test_the_sine_map_has_two_branches_cut_where_the_cosine_is_one_over_K(K):
     check_tiling(made, (rising, falling))
 
 
-@pytest.mark.parametrize("made", [CircleMap.rigid(0.3), CircleMap.arnold(0, 1), CircleMap.blaschke([0.5, 0.2j, 0])])
-def test_a_monotone_map_without_jumps_is_one_branch(made):
-    (only,) = branches(made)
-    assert (only.start, only.end, only.direction) == (0.0, TWO_PI, 1)
-    assert only.end_value - only.start_value == pytest.approx(TWO_PI * made.degree, abs=1e-12)
-
-
 @pytest.mark.parametrize("seed", range(15))
 def test_branches_tile_one_turn_and_each_inverse_undoes_the_map_to_rounding(seed):
     made = folded(seed, degree=seed % 4 - 1)

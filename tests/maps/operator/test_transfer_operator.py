@@ -113,6 +113,16 @@ def test_total_variation_is_half_the_integral_of_the_difference():
     assert abs(law.tv_from_uniform - plain) < 1e-9
 
 
+def test_uniform_noise_has_a_basis_of_its_own():
+    """A rotation keeps the uniform law; the symmetric sine map peaks at its stable point."""
+    law = transfer_operator(CircleMap.rigid(0.17), UniformNoise(1.0))
+    np.testing.assert_allclose(law.density(GRID), 0.5 / np.pi, rtol=1e-12)
+    assert abs(law.rotation_number - 0.17) <= law.rotation_number.error_bound + 1e-15 < 1e-11
+    sticky = transfer_operator(CircleMap.arnold(0.0, 0.5), UniformNoise(1.0))
+    (peak,) = sticky.peaks()
+    assert abs(np.angle(np.exp(1j * peak))) < 1e-6 and sticky.density(peak) >= np.max(sticky.density(GRID)) - 1e-9
+
+
 def test_what_cannot_be_computed_is_refused():
     noise, uniform = WrappedNormal(0.1), UniformNoise(1.0)
     doubling = transfer_operator(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.2))

@@ -19,13 +19,6 @@ def rotated(circle_map, angle):
     )
 
 
-def test_moebius_multipliers():
-    stable, unstable = sorted(fixed_points(CircleMap.moebius(0.5, 0.1)), key=lambda orbit: orbit.multiplier)
-    assert abs(stable.multiplier - 0.4151234716857828708617918935) < 1e-14
-    assert abs(stable.multiplier * unstable.multiplier - 1) < 1e-13
-    assert (stable.kind, unstable.kind, stable.stable, unstable.stable) == ("stable", "unstable", True, False)
-
-
 def test_points_lie_on_their_orbit_in_order_of_visit():
     orbits = periodic_orbits(CircleMap.arnold(0.3, 3.0), 6)
     lower = sum(d * len(periodic_orbits(CircleMap.arnold(0.3, 3.0), d)) for d in (1, 2, 3))

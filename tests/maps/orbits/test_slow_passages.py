@@ -88,6 +88,7 @@ def test_downward_passages_and_other_windings():
 def test_what_is_no_bottleneck_is_left_out():
     assert slow_passages(CircleMap.arnold(0.1, 0.9)) == []  # locked: the curve crosses the line
     assert slow_passages(CircleMap.rigid(0.001)) == []
+    assert slow_passages(CircleMap.arnold(0.3, 1.0)) == []  # passed in five cycles
     ripple = CircleMap(lambda x: x + 0.05 + 1e-6 * np.cos(x), lambda x: 1 - 1e-6 * np.sin(x))
     assert slow_passages(ripple) == []
     assert slow_passages(outside(1e-3), 2) == []  # a passage of period one

@@ -202,6 +202,13 @@ def test_chances_and_their_complements_add_up_to_one_within_their_bounds(noise):
         assert one.error_bound < 1e-11 and 0.0 <= one <= 1.0
 
 
+def test_both_ends_of_an_arc_belong_to_it():
+    for low in np.random.default_rng(1).uniform(-7, 7, 8):
+        for end in (low, low + 0.07):
+            moved = [mean_passage_time(STICKY, WrappedNormal(0.3), end + s, (low, low + 0.07)) for s in (0.0, -TWO_PI)]
+            assert moved[1] == pytest.approx(moved[0], rel=1e-10)
+
+
 def test_a_start_inside_one_of_the_arcs_is_decided_and_one_half_way_is_even():
     still, noise = CircleMap.rigid(0.0), WrappedNormal(0.3)
     assert hitting_probability(still, noise, 0.0, (1, 2), (-2, -1)).holds(0.5)

@@ -31,18 +31,6 @@ def test_a_staircase_without_noise_is_found_exactly():
         assert np.flatnonzero(found.censored).tolist() == [0, 59]
 
 
-@pytest.mark.parametrize("sigma", [0.02, 0.1])
-def test_noise_on_a_known_staircase_moves_no_step(sigma):
-    rng = np.random.default_rng(2)
-    lengths = rng.integers(30, 300, 30)
-    path = np.repeat(2.0 * np.arange(30), lengths)
-    found = find_steps(path + rng.normal(0, sigma, path.size))
-    assert found.count == 29
-    assert np.max(np.abs(found.start - np.r_[0, np.cumsum(lengths)[:-1]])) <= 2
-    np.testing.assert_allclose(found.heights, 2.0, rtol=0, atol=4 * sigma * np.sqrt(2 / 30))
-    np.testing.assert_allclose(np.median(found.scatter), sigma, rtol=0.1)
-
-
 def test_a_rotation_and_a_pure_drift_have_no_dwells():
     n = np.arange(3_000.0)
     paths = [0.01 * n, -0.3 * n, 4e-4 * n, sample_staircase(CircleMap.rigid(0.13), None, 3_000).theta]
