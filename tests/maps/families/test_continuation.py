@@ -9,7 +9,6 @@ from cyclemap.maps import (
     border_collisions,
     fixed_points,
     follow_orbit,
-    orbit_branches,
     period_doublings,
     periodic_orbits,
     saddle_nodes,
@@ -225,13 +224,6 @@ def test_border_collisions_of_period_two_are_the_edges_of_a_kinked_tongue():
     assert len(edges) == 2
     assert abs(edges[0] - locked.left) <= found[0].parameter.error_bound + locked.left.error_bound
     assert abs(edges[1] - locked.right) <= found[-1].parameter.error_bound + locked.right.error_bound
-
-
-def test_branches_are_listed_once_each():
-    branches = orbit_branches(arnold(0.9), (0.40, 0.60), 2, 1, resolution=10)
-    assert [branch.ends for branch in branches] == [("closed", "closed")]
-    assert branches[0].period == 2
-    assert branches[0].winding == 1
 
 
 @pytest.mark.parametrize(
