@@ -119,15 +119,11 @@ def taken(cells: Cells, index: Mask | Whole) -> Cells:
     return replace(cells, **{name: getattr(cells, name)[index] for name in _ARRAYS})
 
 
-def in_order(parts: list[Cells]) -> Cells:
-    """All the cells, sorted by start."""
+def joined(parts: list[Cells]) -> Cells:
+    """All the cells, sorted by start; both sides of every smooth node get the very same value, so no root is lost."""
     arrays: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
     order = np.argsort(arrays["start"])
-    return replace(parts[0], **{name: array[order] for name, array in arrays.items()})
-
-
-def joined(cells: Cells) -> Cells:
-    """Give both sides of every smooth node the very same value, so that no root is lost or doubled."""
+    cells = replace(parts[0], **{name: array[order] for name, array in arrays.items()})
     g_end = np.where(np.roll(cells.cut, -1), cells.g_end, np.roll(cells.g_start, -1))
     if not cells.cut[0]:
         g_end[-1] = cells.g_start[0] + cells.climb
@@ -188,7 +184,7 @@ def monotone_cells(
             break
         owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
         if owner.size == 0:
-            found = joined(in_order(done))
+            found = joined(done)
             width, rise = found.end - found.start, np.abs(found.g_end - found.g_start)
             steepest = np.maximum(np.abs(found.slope_start), np.abs(found.slope_end))
             jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
