@@ -245,8 +245,7 @@ class RotationPlane:
     value : the middle of [lower, upper], or what ``rotation_number`` gives for a map done by itself; where the lift
         folds, the weighted Birkhoff average of the one orbit from θ = 0.
     lower, upper : the truth lies between them; where the lift folds, all of its rotation interval does.
-    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0.
-    folded : where the lift falls somewhere, so that rotation numbers fill an interval.
+    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0. folded : where the lift falls.
     tolerance : the half-width that was asked for where the lift does not fold.
     """
 

@@ -168,11 +168,9 @@ def killed_chain(
 ) -> KilledChain:
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels
-    of nodes end at every sample of a sampled map. stretch : factor on the nodes' bandwidth.
-
-    Raises InvalidInput when the noise is so narrow that more than ``most`` nodes would be needed, and for
-    ``UniformNoise``, whose density jumps.
+    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes
+        end at every sample of a sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more
+        than ``most`` nodes would be needed, and for ``UniformNoise``, whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")

@@ -41,12 +41,12 @@ class SlowZone:
     centre : radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest point.
     arc : (start, end), radians, start < end: the zone, see ``predict_staircase``.
     kind : "stable", "jump" or "ghost".
-    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from the upstream
-        end ("ghost") until the path first leaves it.
+    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from the upstream end
+        ("ghost") until the path first leaves it.
     winding : whole turns that a cycle makes there; the zone is still in the frame that turns along.
-    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, or None where they were
-        not computed. A visit is a maximal run of cycles in the arc that reaches ``core``: how many begin per
-        cycle, their mean length and its standard deviation (cycles).
+    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, maximal runs of cycles in the arc
+        that reach ``core``: how many begin per cycle, their mean length and its standard deviation, cycles; None where
+        not computed.
     """
 
     centre: float
