@@ -39,16 +39,12 @@ Noise, added after the map
 Noise, WrappedNormal, VonMises, WrappedCauchy, UniformNoise : the same everywhere
 LocalNoise : kicks whose size depends on θ, for sampled paths
 transfer_operator, TransferOperator : stationary density, moments, rotation, with error bounds
-Spectrum, metastable_sets, MetastableSets : eigenvalues; the arcs where a path stays long
-Response : the derivative of the stationary distribution by a parameter
+Spectrum : eigenvalues, with error bounds
 
 Passages
 --------
 mean_passage_time, log10_passage_time : cycles until an arc is left
 hitting_probability, survival_probabilities : which arc first; staying for n cycles
-passage_response, PassageResponse : derivatives of a passage time
-quasi_stationary_distribution, QuasiStationaryDistribution : θ, given that the arc was not left
-slip_probabilities, Slip : leaving upwards or downwards
 
 Staircases
 ----------
@@ -91,8 +87,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.lifts.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.noise.bounded_noise import UniformNoise, VonMises
     from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
-    from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
-    from cyclemap.maps.operator.spectrum import Response, Spectrum
+    from cyclemap.maps.operator.spectrum import Spectrum
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
     from cyclemap.maps.orbits.diagonal import JumpCrossing
@@ -114,19 +109,7 @@ if TYPE_CHECKING:
     )
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
-    from cyclemap.maps.passages.passage_times import (
-        PassageResponse,
-        hitting_probability,
-        mean_passage_time,
-        passage_response,
-    )
-    from cyclemap.maps.passages.quasi_stationary import (
-        QuasiStationaryDistribution,
-        Slip,
-        quasi_stationary_distribution,
-        slip_probabilities,
-        survival_probabilities,
-    )
+    from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time, survival_probabilities
     from cyclemap.maps.staircases.slow_zones import (
         DriftSummary,
         SlowZone,
@@ -159,21 +142,16 @@ __all__ = [
     "JumpCrossing",
     "LocalNoise",
     "LyapunovExponents",
-    "MetastableSets",
     "Noise",
     "Orbit",
     "OrbitBranch",
     "OrbitDiagram",
     "ParametricLift",
-    "PassageResponse",
     "PeriodicPoints",
-    "QuasiStationaryDistribution",
-    "Response",
     "RotationInterval",
     "RotationNumber",
     "RotationNumbers",
     "RotationPlane",
-    "Slip",
     "SlowPassage",
     "SlowZone",
     "Spectrum",
@@ -208,18 +186,15 @@ __all__ = [
     "lyapunov_exponent",
     "lyapunov_exponents",
     "mean_passage_time",
-    "metastable_sets",
     "nth_iterate",
     "orbit_branches",
     "orbit_diagram",
-    "passage_response",
     "period_doublings",
     "periodic_orbits",
     "periodic_points",
     "predict_drift",
     "predict_staircase",
     "preimages",
-    "quasi_stationary_distribution",
     "rotation_interval",
     "rotation_number",
     "rotation_numbers",
@@ -228,7 +203,6 @@ __all__ = [
     "sample_staircase",
     "sample_staircases",
     "shifted",
-    "slip_probabilities",
     "slow_passages",
     "survival_probabilities",
     "tongue",

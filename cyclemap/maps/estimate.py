@@ -33,9 +33,6 @@ SOLUTION = 16.0 * EPS
 ELIMINATION = 1e-13
 """Relative: elimination without subtraction of some thousand states (O'Cinneide 1993 proves n³ EPS; seen: 1e-14)."""
 
-QUASI_STATIONARY = 1e-12
-"""Relative: a leaving chance from an iteration that ends at changes of 1e-13."""
-
 LOG_PASSAGE = 2e-14
 """Of ln T, relative: a hundred ``EPS``, for logarithms added up along the ways out."""
 

@@ -50,16 +50,13 @@ def arc_rule(
     bandwidth: float,
     finer: int = 1,
     every_sample: bool = True,
-    cuts: Array | None = None,
 ) -> tuple[Array, Array]:
     """Gauss-Legendre panels on [start, end]: none crosses a break, each order fits its phase.
 
     With ``every_sample`` none crosses a sample of a sampled map either, where F'' jumps; without, far
-    fewer nodes. cuts : further angles between ``start`` and ``end`` that no panel crosses.
+    fewer nodes.
     """
-    edges = _edges(circle_map, start, end, every_sample)
-    edges = edges if cuts is None else np.union1d(edges, cuts)
-    return _on_panels(circle_map, edges, bandwidth, finer)
+    return _on_panels(circle_map, _edges(circle_map, start, end, every_sample), bandwidth, finer)
 
 
 def _on_panels(
@@ -128,25 +125,21 @@ def _near_critical(circle_map: CircleMap) -> Array:
     low = small & ~cells.cut & (after <= np.roll(after, 1)) & (after <= np.roll(after, -1))
     low &= cells.slope_start != 0.0
     folds = np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut])
-    found = np.concatenate([folds, cells.start[small & cells.cut], _minima(circle_map, cells.start[low])])
-    found = np.sort(np.mod(found, TWO_PI))
-    return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
-
-
-def _minima(circle_map: CircleMap, near: Array) -> Array:
-    """The minima of |F'| next to ``near``: roots of its difference of fourth order, else ``near`` itself."""
     reach, h = TWO_PI / _FOLD_RESOLUTION, 1e-3
 
     def curvature(theta: Array) -> Array:
         slope = circle_map.derivative
         return 8.0 * (slope(theta + h) - slope(theta - h)) - (slope(theta + 2 * h) - slope(theta - 2 * h))
 
-    low, high = near - reach, near + reach
-    bracketed = curvature(low) * curvature(high) < 0.0
-    found = near.copy()
+    # The minima of |F'| next to the low cells: roots of its difference of fourth order, else their starts.
+    minima = cells.start[low]
+    bracketed = curvature(minima - reach) * curvature(minima + reach) < 0.0
     if np.any(bracketed):
-        found[bracketed] = bracketed_root(lambda x, _: curvature(x), low[bracketed], high[bracketed])
-    return found
+        near = minima[bracketed]
+        minima[bracketed] = bracketed_root(lambda x, _: curvature(x), near - reach, near + reach)
+    found = np.concatenate([folds, cells.start[small & cells.cut], minima])
+    found = np.sort(np.mod(found, TWO_PI))
+    return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
 
 
 def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,9 +23,6 @@ NAMED_WIDTH = 0.012
 CLOSE_NAMES = 0.045
 
 
-# -- over a plane ------------------------------------------------------------------------------------------
-
-
 def draw_rotation_plane(
     axes: Axes,
     plane: RotationPlane,
@@ -36,7 +34,21 @@ def draw_rotation_plane(
     """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded maps hatched."""
     first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
     mesh = axes.pcolormesh(first, second, plane.value.T, cmap="cividis", rasterized=True)
-    _hatch_folded(axes, plane, first, second)
+    label = "folded: an interval of rotation numbers, one orbit's shown"
+    for column in np.flatnonzero(plane.folded.any(axis=0)).tolist():
+        runs = [(first[start], first[end] - first[start]) for start, end in _runs(plane.folded[:, column])]
+        height = (second[column], second[column + 1] - second[column])
+        # White dots show on dark colours, dark lines on light ones.
+        for color, hatch in ((INK, "//"), ("white", "..")):
+            look: dict[str, Any] = {
+                "facecolor": "none",
+                "edgecolor": color,
+                "hatch": hatch,
+                "linewidth": 0.0,
+                "zorder": 3,
+            }
+            axes.broken_barh(runs, height, label=label, **look)
+            label = ""
     _outline_tongues(axes, plane, first, second, longest_period)
     _name_tongues(axes, plane, longest_period)
     axes.set(xlabel=first_label, ylabel=second_label)
@@ -55,36 +67,16 @@ def cell_edges(values: Array) -> Array:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _hatch_folded(axes: Axes, plane: RotationPlane, first: Array, second: Array) -> None:
-    """Hatch the cells whose rotation numbers fill an interval, run by run along the first parameter."""
-    label = "folded: an interval of rotation numbers, one orbit's shown"
-    for column in np.flatnonzero(plane.folded.any(axis=0)).tolist():
-        runs = [(first[start], first[end] - first[start]) for start, end in _runs(plane.folded[:, column])]
-        height = (second[column], second[column + 1] - second[column])
-        # White dots show on dark colours, dark lines on light ones.
-        for color, hatch, told in ((INK, "//", label), ("white", "..", "")):
-            axes.broken_barh(
-                runs, height, facecolor="none", edgecolor=color, hatch=hatch, linewidth=0.0, label=told, zorder=3
-            )
-        label = ""
-
-
 def _outline_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array, longest: int) -> None:
     """A line along every edge between cells of which one is locked at p/q with a short period and the other is not."""
     shown = (plane.period > 0) & (plane.period <= longest)
-    name = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.nan)
-    across = _differ(name[:-1], name[1:])
-    upward = _differ(name[:, :-1], name[:, 1:])
+    name = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.inf)
+    across, upward = name[:-1] != name[1:], name[:, :-1] != name[:, 1:]
     lines = [[(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)]
     lines += [[(first[i], second[j + 1]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(upward)]
     edges = LineCollection(lines, colors=INK, linewidths=0.8, capstyle="projecting", zorder=4)
     edges.set_path_effects([Stroke(linewidth=2.0, foreground="white"), Normal()])
     axes.add_collection(edges, autolim=False)
-
-
-def _differ(one: Array, other: Array) -> NDArray[np.bool_]:
-    """Where two arrays differ, nan being equal to nan."""
-    return np.asarray((one != other) & ~(np.isnan(one) & np.isnan(other)))
 
 
 def _name_tongues(axes: Axes, plane: RotationPlane, longest: int) -> None:
@@ -111,9 +103,6 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True))
 
 
-# -- over one parameter ------------------------------------------------------------------------------------
-
-
 def draw_rotation_numbers(axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter") -> None:
     """Rotation numbers (m,) over `parameter` (m,), the band that encloses them, and the plateaus by name."""
     widest = float(np.max(numbers.upper - numbers.lower))
@@ -122,31 +111,18 @@ def draw_rotation_numbers(axes: Axes, parameter: Array, numbers: RotationNumbers
     axes.plot(parameter, numbers.value, color=PREDICTED, linewidth=1.0, label="middle of the enclosure", zorder=3)
     axes.set(xlabel=label, ylabel=ROTATION)
     axes.margins(x=0.0, y=0.08)
-    _draw_plateaus(axes, parameter, numbers)
-    legend_above(axes)
-
-
-def _draw_plateaus(axes: Axes, parameter: Array, numbers: RotationNumbers) -> None:
-    """Every stretch locked at one p/q as a thick line, named where it is wide."""
-    span, label = float(np.ptp(parameter)), "locked at p/q"
+    span, told = float(np.ptp(parameter)), "locked at p/q"
     rises = numbers.value[-1] >= numbers.value[0]
-    for first, last in _plateaus(numbers):
+    same = (numbers.period[1:] == numbers.period[:-1]) & (numbers.winding[1:] == numbers.winding[:-1])
+    for first, last in _runs(same & (numbers.period[1:] > 0)):
         low, high = float(parameter[first]), float(parameter[last])
         value = float(numbers.value[first])
-        axes.plot([low, high], [value, value], color=INK, linewidth=3.0, label=label, zorder=4)
-        label = ""
+        axes.plot([low, high], [value, value], color=INK, linewidth=3.0, label=told, zorder=4)
+        told = ""
         if abs(high - low) >= NAMED_WIDTH * span:
             ratio = Fraction(int(numbers.winding[first]), int(numbers.period[first]))
             name_beside_path(axes, low, high, value, ratio_name(ratio), bool(rises))
-
-
-def _plateaus(numbers: RotationNumbers) -> list[tuple[int, int]]:
-    """(first, last) of every run of two or more neighbours locked at the same p/q."""
-    same = (numbers.period[1:] == numbers.period[:-1]) & (numbers.winding[1:] == numbers.winding[:-1])
-    return _runs(same & (numbers.period[1:] > 0))
-
-
-# -- Arnold tongues ----------------------------------------------------------------------------------------
+    legend_above(axes)
 
 
 def draw_tongues(
@@ -160,16 +136,15 @@ def draw_tongues(
     labels = {False: "edge of a tongue", True: "edge where the map folds"}
     for left, right, folded in zip(boundaries.left, boundaries.right, boundaries.folded, strict=True):
         axes.fill_betweenx(second, left, right, color=PREDICTED, alpha=0.22, linewidth=0, zorder=2)
+        changes = (np.flatnonzero(np.diff(folded)) + 1).tolist()
         for edge in (left, right):
-            _draw_edge(axes, edge, second, folded, labels)
+            for first, last in pairwise([0, *changes, edge.size]):
+                bent, part = bool(folded[first]), slice(max(first - 1, 0), last)
+                look: dict[str, Any] = {"linewidth": 1.3, "linestyle": "--" if bent else "-", "zorder": 3}
+                axes.plot(edge[part], second[part], color=PREDICTED, label=labels.pop(bent, None), **look)
     axes.set(xlabel=first_label, ylabel=second_label)
     axes.margins(x=0.02, y=0.0)
-    _name_above(axes, boundaries)
-    legend_above(axes)
-
-
-def _name_above(axes: Axes, boundaries: TongueBoundaries) -> None:
-    """p/q above the upper end of every tongue, in two rows where they stand close."""
+    # p/q above the upper end of every tongue, in two rows where they stand close.
     top = int(np.argmax(boundaries.second))
     middle = 0.5 * (boundaries.left + boundaries.right)[:, top]
     low, high = axes.get_ylim()
@@ -180,14 +155,4 @@ def _name_above(axes: Axes, boundaries: TongueBoundaries) -> None:
         before = float(middle[index])
         name, offset = ratio_name(boundaries.ratios[index]), (0, 15 if raised else 3)
         name_tag(axes, before, high, name, va="bottom", xytext=offset, textcoords="offset points")
-
-
-def _draw_edge(axes: Axes, edge: Array, second: Array, folded: NDArray[np.bool_], labels: dict[bool, str]) -> None:
-    """One edge in runs that fold or do not; each look gets its legend entry once."""
-    changes = (np.flatnonzero(np.diff(folded)) + 1).tolist()
-    for first, last in pairwise([0, *changes, edge.size]):
-        bent = bool(folded[first])
-        part = slice(max(first - 1, 0), last)
-        style = "--" if bent else "-"
-        label = labels.pop(bent, None)
-        axes.plot(edge[part], second[part], color=PREDICTED, linewidth=1.3, linestyle=style, label=label, zorder=3)
+    legend_above(axes)

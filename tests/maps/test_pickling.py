@@ -56,8 +56,6 @@ VALUES = {
     "orbits": lambda: maps.periodic_orbits(FOLDED, 2),
     "points": lambda: maps.periodic_points(FOLDED, 3),
     "rotation": lambda: maps.rotation_number(SINE),
-    "interval": lambda: maps.rotation_interval(FOLDED),
-    "plane": lambda: maps.rotation_plane(CircleMap.arnold, [0.1, 0.2], [0.5, 1.5]),
     "tongue": lambda: maps.tongue(lambda w: CircleMap.arnold(w, 0.9), 0, (-0.5, 0.5)),
     "basins": lambda: maps.basins(SINE),
     "branches": lambda: maps.branches(FOLDED),
@@ -65,12 +63,8 @@ VALUES = {
     "operator": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)),
     "uniform operator": lambda: maps.transfer_operator(SINE, maps.UniformNoise(1.0)),
     "spectrum": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)).spectrum(3),
-    "response": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)).noise_response(),
-    "passage": lambda: maps.mean_passage_time(SINE, WrappedNormal(0.3), 1.0, (0.5, 2.0)),
-    "law": lambda: maps.quasi_stationary_distribution(SINE, WrappedNormal(0.3), (0.5, 2.0)),
     "staircase": lambda: maps.sample_staircase(SINE, WrappedNormal(0.3), 50, seed=1),
     "summary": lambda: maps.predict_staircase(CircleMap.arnold(0.16, 0.9), WrappedNormal(0.1)),
-    "families": lambda: (maps.ARNOLD_FAMILY, maps.MOEBIUS_FAMILY),
 }
 
 

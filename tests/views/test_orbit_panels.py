@@ -1,4 +1,4 @@
-"""A map's graph with its orbits, basins, slow passages, and orbits over a parameter, drawn."""
+"""A map's graph with its orbits, basins, density, and orbits over a parameter, drawn."""
 
 import numpy as np
 import pytest
@@ -6,28 +6,24 @@ from drawn_panels import faces, labelled, legend_words, panel, png, written
 
 from cyclemap.maps import (
     CircleMap,
+    WrappedNormal,
     basins,
     bifurcations,
-    fixed_points,
-    follow_orbit,
     lyapunov_exponents,
     orbit_branches,
     orbit_diagram,
     periodic_orbits,
-    slow_passages,
+    transfer_operator,
 )
 from cyclemap.views.orbit_panels import (
     MARKERS,
-    branch_curves,
     cut_at_turns,
     draw_basins,
+    draw_density,
     draw_lyapunov_exponents,
     draw_map,
     draw_orbit_branches,
     draw_orbit_diagram,
-    draw_slow_passage,
-    map_graph,
-    passage_curve,
 )
 from cyclemap.views.style import PREDICTED, UNSTABLE
 
@@ -40,66 +36,77 @@ SAWTOOTH = CircleMap(
     breaks=(2.0,),
 )
 MAPS = {
-    "rotation": CircleMap.rigid(0.3),
-    "sine": CircleMap.arnold(0.4, 0.9),
-    "folded": CircleMap.arnold(0.1, 5.0),
-    "sawtooth": SAWTOOTH,
-    "degree 2": CircleMap.blaschke([0.3, 0.2j], 0.1),
-    "degree -1": CircleMap(lambda theta: -theta + 0.3 * np.sin(theta), degree=-1),
+    "rotation": (CircleMap.rigid(0.3), 2),
+    "sine": (CircleMap.arnold(0.4, 0.9), 2),
+    "folded": (CircleMap.arnold(0.1, 5.0), None),
+    "sawtooth": (SAWTOOTH, 3),
+    "degree 2": (CircleMap.blaschke([0.3, 0.2j], 0.1), 3),
+    "degree -1": (CircleMap(lambda theta: -theta + 0.3 * np.sin(theta), degree=-1), None),
 }
 
 
-def test_map_marks_stable_orbits_filled_and_unstable_ones_open() -> None:
-    circle_map = CircleMap.arnold(0.5, 0.9)
-    orbits = periodic_orbits(circle_map, 2)
-    axes = panel()
-    draw_map(axes, circle_map, orbits)
-    assert sorted(faces(axes)) == sorted([(PREDICTED, "full", 2), (UNSTABLE, "full", 2)])
-    assert [orbit.stable for orbit in orbits].count(True) == 1
-    assert legend_words(axes) == ["stable", "unstable"]
-    png(axes)
-
-
-def test_orbit_points_lie_on_the_graph() -> None:
-    circle_map = CircleMap.moebius(0.5, 0.1)
-    orbits = fixed_points(circle_map)
-    axes = panel()
-    draw_map(axes, circle_map, orbits)
-    places = [(float(x), float(y)) for line in axes.lines if line.get_marker() == "o" for x, y in line.get_xydata()]
-    assert len(places) == len(orbits) == 2
-    for theta_deg, next_deg in places:
-        turned = np.degrees(circle_map(np.radians(theta_deg))) - next_deg
-        assert np.mod(turned + 180.0, 360.0) - 180.0 == pytest.approx(0.0, abs=1e-9)
-
-
-def test_saddle_node_is_half_filled() -> None:
-    circle_map = CircleMap.arnold(0.9 / (2 * np.pi), 0.9)
-    axes = panel()
-    draw_map(axes, circle_map, fixed_points(circle_map))
-    assert faces(axes) == [(PREDICTED, "left", 1)]
-    assert legend_words(axes) == ["half-stable"]
-    png(axes)
-
-
-def test_map_without_orbits_and_of_degree_two_is_drawn_with_units_and_no_legend() -> None:
-    axes = panel()
-    draw_map(axes, CircleMap.blaschke([0.3, 0.2j], 0.1))
+@pytest.mark.parametrize("name", MAPS)
+def test_graph_holds_images_of_its_angles_in_one_piece_for_every_cut_and_never_leaps(name) -> None:
+    circle_map, pieces = MAPS[name]
+    axes, total = panel(), 0.0
+    draw_map(axes, circle_map)
+    graph = [line.get_data() for line in axes.lines if line.get_linestyle() == "-"]
+    for theta_deg, image_deg in graph:
+        assert image_deg.min() >= -1e-9 and image_deg.max() <= 360.0 + 1e-9
+        truth = np.degrees(circle_map(np.radians(theta_deg)))
+        # Where the graph meets 0 or 360 it is cut on the chord between two samples, a quarter of a degree apart.
+        assert np.abs(np.mod(truth - image_deg + 180.0, 360.0) - 180.0).max() < 2e-3
+        assert np.abs(np.diff(image_deg)).max() < 2.0
+        total += float(theta_deg[-1] - theta_deg[0])
+    assert total == pytest.approx(360.0, abs=1e-5)
+    assert pieces is None or len(graph) == pieces
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("θ (°)", "next θ (°)")
     assert axes.get_legend() is None and faces(axes) == []
     png(axes)
 
 
-def test_jump_of_the_map_is_not_joined_by_a_line() -> None:
+@pytest.mark.parametrize(
+    ("circle_map", "period", "looks", "words"),
+    [
+        (CircleMap.arnold(0.5, 0.9), 2, [(PREDICTED, "full", 2), (UNSTABLE, "full", 2)], ["stable", "unstable"]),
+        (CircleMap.arnold(0.9 / (2 * np.pi), 0.9), 1, [(PREDICTED, "left", 1)], ["half-stable"]),
+    ],
+)
+def test_orbits_lie_on_the_graph_stable_ones_filled_others_open_saddle_nodes_half(
+    circle_map, period, looks, words
+) -> None:
     axes = panel()
-    broken = CircleMap(lambda x: x - 1.0 + 0.35 * np.mod(x - 2.0, 2 * np.pi), breaks=(2.0,))
-    draw_map(axes, broken, fixed_points(broken))
-    graph = [line for line in axes.lines if line.get_linestyle() == "-"]
-    assert len(graph) == 3
-    for line in graph:
-        assert np.abs(np.diff(line.get_ydata())).max() < 1.0
+    draw_map(axes, circle_map, periodic_orbits(circle_map, period))
+    assert sorted(faces(axes)) == sorted(looks) and legend_words(axes) == words
+    places = np.concatenate([line.get_xydata() for line in axes.lines if line.get_marker() == "o"])
+    turned = np.degrees(circle_map(np.radians(places[:, 0]))) - places[:, 1]
+    assert np.mod(turned + 180.0, 360.0) - 180.0 == pytest.approx(0.0, abs=1e-9)
+    png(axes)
 
 
-# -- basins ------------------------------------------------------------------------------------------------
+def test_whole_turns_are_cut_in_both_directions_and_at_samples_on_them() -> None:
+    angle = 2 * np.pi * np.array([-0.25, 0.25, 1.0, 1.25, 0.75])
+    curves = cut_at_turns(np.arange(5.0), angle)
+    assert [x.tolist() for x, _ in curves] == [[0.0, 0.5], [0.5, 1.0, 2.0], [2.0, 3.0, 3.5], [3.5, 4.0]]
+    assert [[round(end) for end in (y[0], y[-1])] for _, y in curves] == [[270, 360], [0, 360], [0, 0], [360, 270]]
+
+
+@pytest.mark.parametrize("circle_map", [CircleMap.arnold(0.1, 0.9), CircleMap.blaschke([0.3, 0.2j], 0.1)])
+def test_density_is_a_probability_per_degree_with_its_bound(circle_map) -> None:
+    operator, axes = transfer_operator(circle_map, WrappedNormal(0.3)), panel()
+    draw_density(axes, operator)
+    curve = labelled(axes, "stationary density, ± ")
+    assert np.trapezoid(curve.get_ydata(), curve.get_xdata()) == pytest.approx(1.0, abs=1e-10)
+    told = float(legend_words(axes)[0].split("± ")[1].replace("−", "-"))
+    assert told == pytest.approx(operator.error_bound * np.pi / 180, rel=0.5)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("θ (°)", "probability per degree")
+    png(axes)
+
+
+def test_density_whose_parts_are_never_connected_says_so() -> None:
+    axes = panel()
+    draw_density(axes, transfer_operator(CircleMap(lambda x: x - 0.45 * np.sin(2 * x)), WrappedNormal(0.03)))
+    assert legend_words(axes)[0] == "stationary density, shares of its parts unknown"
 
 
 def bars(collection) -> list[tuple[float, float]]:
@@ -109,7 +116,7 @@ def bars(collection) -> list[tuple[float, float]]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("circle_map", [CircleMap.arnold(0.1, 0.9), WELLS, CircleMap.arnold(0.3, 2.5)])
-def test_bands_cover_the_basins_share_of_the_circle(circle_map) -> None:
+def test_bands_cover_the_basins_share_of_the_circle_and_tell_it(circle_map) -> None:
     found = basins(circle_map, max_period=2, left_over=1e-3)
     axes = panel()
     draw_basins(axes, found)
@@ -121,141 +128,17 @@ def test_bands_cover_the_basins_share_of_the_circle(circle_map) -> None:
         length = sum(high - low for low, high in bars(near))
         assert length == pytest.approx(np.degrees(np.ptp(basin.immediate, axis=1).sum()), abs=1e-9)
         assert near.get_hatch() and not whole.get_hatch()
+        assert f"winding {basin.orbit.winding}: {100 * basin.measure:.3g} % of" in " ".join(written(axes))
     assert faces(axes) == [(PREDICTED, "full", basin.orbit.period) for basin in found]
+    share = found[0].undecided
+    assert legend_words(axes)[-1] == f"undecided: {f'{100 * share:.2g} %' if share > 1e-6 else 'nothing'}"
     png(axes)
-
-
-def test_undecided_share_and_each_basins_share_are_told() -> None:
-    axes = panel()
-    draw_basins(axes, basins(WELLS))
-    assert legend_words(axes)[-1] == "undecided: nothing"
-    assert written(axes) == ["period 1, winding 0: 46 % of the circle", "period 1, winding 0: 54 % of the circle"]
-    (rough,) = basins(CircleMap.arnold(0.3, 2.5), max_period=1, left_over=0.1)
-    axes = panel()
-    draw_basins(axes, [rough])
-    assert 0.001 < rough.undecided < 0.1
-    assert legend_words(axes)[-1] == f"undecided: {100 * rough.undecided:.2g} %"
 
 
 def test_map_without_stable_orbits_says_so() -> None:
     axes = panel()
     draw_basins(axes, basins(CircleMap.moebius(0.5, 0.3), max_period=2))
     assert written(axes) == ["no stable orbit"]
-    png(axes)
-
-
-# -- slow passages -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("omega", [0.15, -0.15])
-def test_passage_shows_the_gap_the_width_and_the_cycles(omega) -> None:
-    circle_map = CircleMap.arnold(omega, 0.9)
-    (passage,) = slow_passages(circle_map)
-    axes = panel()
-    draw_slow_passage(axes, circle_map, passage)
-    (bracket,) = [line for line in axes.lines if line.get_marker() == "|"]
-    width_deg, gap_deg = np.degrees(passage.width), np.degrees(passage.gap)
-    assert np.ptp(bracket.get_xdata()) == pytest.approx(2 * width_deg)
-    # On the parabola the move is doubled at the ends of that stretch.
-    parabola = labelled(axes, "parabola: 23 cycles to pass")
-    x_deg, y_deg = parabola.get_data()
-    assert np.interp(bracket.get_xdata(), x_deg, y_deg) == pytest.approx([2 * gap_deg] * 2, rel=1e-3)
-    assert f"ε = {gap_deg:.2f}°".replace("-", "−") in written(axes)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("θ (°)", "move of one cycle (°)")
-    low, high = axes.get_ylim()
-    assert low < 0.0 < high
-    png(axes)
-
-
-def test_passage_of_longer_period_names_its_cycles_and_turns() -> None:
-    circle_map = CircleMap.arnold(0.46, 0.9)
-    axes = panel()
-    draw_slow_passage(axes, circle_map, slow_passages(circle_map, 2)[0])
-    assert axes.get_ylabel() == "move of 2 cycles less 360° (°)"
-    png(axes)
-
-
-@pytest.mark.parametrize("name", MAPS)
-def test_graph_holds_images_of_its_angles_and_never_leaps(name) -> None:
-    circle_map = MAPS[name]
-    graph = map_graph(circle_map)
-    total = 0.0
-    for theta_deg, image_deg in graph:
-        assert image_deg.min() >= -1e-9 and image_deg.max() <= 360.0 + 1e-9
-        truth = np.degrees(circle_map(np.radians(theta_deg)))
-        # Where the graph meets 0 or 360 it is cut on the chord between two samples, a quarter of a degree apart.
-        assert np.abs(np.mod(truth - image_deg + 180.0, 360.0) - 180.0).max() < 2e-3
-        assert np.abs(np.diff(image_deg)).max() < 2.0
-        total += float(theta_deg[-1] - theta_deg[0])
-    assert total == pytest.approx(360.0, abs=1e-5)
-
-
-@pytest.mark.parametrize(("name", "pieces"), [("rotation", 2), ("sine", 2), ("sawtooth", 3), ("degree 2", 3)])
-def test_graph_has_one_piece_for_every_cut(name, pieces) -> None:
-    assert len(map_graph(MAPS[name])) == pieces
-
-
-def test_whole_turns_are_cut_in_both_directions_and_at_samples_on_them() -> None:
-    angle = 2 * np.pi * np.array([-0.25, 0.25, 1.0, 1.25, 0.75])
-    curves = cut_at_turns(np.arange(5.0), angle)
-    assert [x.tolist() for x, _ in curves] == [[0.0, 0.5], [0.5, 1.0, 2.0], [2.0, 3.0, 3.5], [3.5, 4.0]]
-    assert [[round(end) for end in (y[0], y[-1])] for _, y in curves] == [[270, 360], [0, 360], [0, 0], [360, 270]]
-
-
-def test_parabola_touches_the_move_to_third_order_at_the_slowest_point() -> None:
-    circle_map = CircleMap.arnold(0.15, 0.9)
-    (passage,) = slow_passages(circle_map)
-    theta_deg, move_deg, parabola_deg = passage_curve(circle_map, passage)
-    x = np.radians(theta_deg) - passage.theta
-    assert np.abs(np.degrees(passage.gap) - move_deg[np.argmin(np.abs(x))]) < 1e-10
-    assert np.all(np.abs(move_deg - parabola_deg) <= np.degrees(0.9 * x**4 / 24) + 1e-8)
-
-
-def test_move_of_two_cycles_is_drawn_less_its_whole_turns() -> None:
-    circle_map = CircleMap.arnold(0.46, 0.9)
-    passages = slow_passages(circle_map, 2)
-    assert [passage.winding for passage in passages] == [1, 1]
-    for passage in passages:
-        _, move_deg, _ = passage_curve(circle_map, passage)
-        assert np.abs(move_deg).min() == pytest.approx(abs(np.degrees(passage.gap)), rel=1e-6)
-
-
-def test_jump_in_the_window_of_a_passage_is_a_gap() -> None:
-    broken = CircleMap(lambda x: x + 0.4 + 0.35 * np.cos(x) + 0.3 * (np.mod(x, 2 * np.pi) < 2.0), breaks=(0.0, 2.0))
-    (passage,) = slow_passages(broken)
-    theta_deg, move_deg, _ = passage_curve(broken, passage)
-    assert np.isnan(move_deg).sum() == 1
-    assert theta_deg[np.isnan(move_deg)] == pytest.approx(np.degrees([2.0]))
-    assert np.nanmax(np.abs(np.diff(move_deg))) < 1.0
-
-
-@pytest.mark.parametrize(("period", "winding", "within"), [(1, 0, (-0.3, 0.3)), (2, 1, (0.4, 0.6))])
-def test_closed_branch_comes_back_without_a_leap(period, winding, within) -> None:
-    def family(omega):
-        return CircleMap.arnold(omega, 0.9)
-
-    start = 0.0
-    branch = follow_orbit(family, start, within, at=winding / period, period=period, winding=winding)
-    assert branch.ends == ("closed", "closed")
-    runs = branch_curves(branch)
-    assert {stable for stable, _ in runs} == {True, False}
-    for _, (_, theta_deg) in runs:
-        assert np.abs(np.diff(theta_deg)).max() < 12.0
-    # The branch runs once round the circle, all points of an orbit together.
-    assert sum(np.abs(np.diff(theta_deg)).sum() for _, (_, theta_deg) in runs) == pytest.approx(360.0, abs=1e-6)
-
-
-def test_stability_changes_at_the_bifurcations_and_nowhere_else() -> None:
-    branch = follow_orbit(lambda K: CircleMap.arnold(0.1, K), 0.6, (0.3, 3.0), at=1.2)
-    changes = [float(found.parameter) for found in branch.special]
-    assert len(changes) == 2
-    ends = {
-        round(float(end), 9)
-        for stable, (parameter, _) in branch_curves(branch)
-        for end in (parameter[0], parameter[-1])
-        if stable
-    }
-    assert ends == {round(change, 9) for change in changes}
 
 
 def sine(K):
@@ -266,65 +149,43 @@ def kinked(shift):
     return CircleMap(lambda x: x + shift + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi), breaks=[0.0, np.pi])
 
 
-@pytest.fixture(scope="module")
-def doubling():
+def test_branches_are_solid_where_stable_and_change_at_bifurcations_that_stand_where_theory_has_them() -> None:
     """Fixed points of the sine map from before their birth to beyond their period doubling."""
-    axes = panel()
+    axes, counted = panel(), {"-": 0, "--": 0}
     draw_orbit_branches(axes, orbit_branches(sine, (0.3, 2.5)), bifurcations(sine, (0.3, 2.5)), "K")
-    return axes
-
-
-def test_solid_lines_hold_the_stable_fixed_points_and_dashed_ones_the_others(doubling) -> None:
-    counted = {"-": 0, "--": 0}
-    for line in doubling.lines:
-        if line.get_marker() != "None":
-            continue
-        for K, theta_deg in line.get_xydata()[1:-1]:
+    for line in axes.lines:
+        for K, theta_deg in line.get_xydata()[1:-1] if line.get_marker() == "None" else ():
             multiplier = float(sine(K).derivative(np.radians(theta_deg)))
             assert (abs(multiplier) < 1.0) == (line.get_linestyle() == "-")
             assert np.sin(np.radians(theta_deg)) == pytest.approx(0.2 * np.pi / K, abs=1e-9)
             counted[line.get_linestyle()] += 1
     assert min(counted.values()) > 5
-
-
-def test_bifurcations_stand_where_theory_has_them_with_shapes_of_their_own(doubling) -> None:
-    shown = {line.get_marker(): line for line in doubling.lines if line.get_marker() != "None"}
-    assert set(shown) == {MARKERS["saddle-node"]["marker"], MARKERS["period-doubling"]["marker"]}
-    assert shown["o"].get_xydata() == pytest.approx(np.array([[0.2 * np.pi, 90.0]]), abs=1e-5)
-    K = np.hypot(2.0, 0.2 * np.pi)
-    place = np.array([[K, np.degrees(np.arctan2(0.2 * np.pi, 2.0))]])
-    assert shown["D"].get_xydata() == pytest.approx(place, abs=1e-6)
+    shown = {line.get_marker(): line.get_xydata() for line in axes.lines if line.get_marker() != "None"}
+    assert shown["o"] == pytest.approx(np.array([[0.2 * np.pi, 90.0]]), abs=1e-5)
+    place = np.array([[np.hypot(2.0, 0.2 * np.pi), np.degrees(np.arctan2(0.2 * np.pi, 2.0))]])
+    assert shown["D"] == pytest.approx(place, abs=1e-6) and len(shown) == 2
     assert len({look["marker"] for look in MARKERS.values()}) == len(MARKERS) == 4
-
-
-def test_legend_names_each_look_once_and_axes_their_units(doubling) -> None:
-    assert legend_words(doubling) == ["stable", "unstable", "saddle-node", "period-doubling"]
-    assert (doubling.get_xlabel(), doubling.get_ylabel()) == ("K", "θ of the orbit (°)")
-    png(doubling)
-
-
-@pytest.mark.slow
-def test_border_collisions_are_marked_and_whole_turns_leave_no_upright_line() -> None:
-    axes = panel()
-    draw_orbit_branches(axes, orbit_branches(kinked, (-2.0, 0.5)), bifurcations(kinked, (-2.0, 0.5)), "shift (rad)")
-    triangles = [line for line in axes.lines if line.get_marker() == "^"]
-    assert len(triangles) == 2
-    for line in axes.lines:
-        assert np.abs(np.diff(line.get_ydata())).max(initial=0.0) < 45.0
+    assert legend_words(axes) == ["stable", "unstable", "saddle-node", "period-doubling"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("K", "θ of the orbit (°)")
     png(axes)
 
 
 @pytest.mark.slow
-def test_every_point_of_a_longer_orbit_is_drawn_and_marked() -> None:
-    def family(omega):
-        return CircleMap.arnold(omega, 0.9)
-
+@pytest.mark.parametrize(
+    ("family", "within", "orbit", "marker", "points", "leap"),
+    [
+        (kinked, (-2.0, 0.5), (), "^", [1, 1], 45.0),
+        (lambda omega: CircleMap.arnold(omega, 0.9), (0.4, 0.6), (2, 1), "o", [2, 2], 15.0),
+    ],
+)
+def test_every_point_of_a_bifurcation_is_marked_and_whole_turns_leave_no_upright_line(
+    family, within, orbit, marker, points, leap
+) -> None:
     axes = panel()
-    draw_orbit_branches(axes, orbit_branches(family, (0.4, 0.6), 2, 1), bifurcations(family, (0.4, 0.6), 2, 1))
-    circles = [line for line in axes.lines if line.get_marker() == "o"]
-    assert [len(line.get_xdata()) for line in circles] == [2, 2]
+    draw_orbit_branches(axes, orbit_branches(family, within, *orbit), bifurcations(family, within, *orbit))
+    assert [len(line.get_xdata()) for line in axes.lines if line.get_marker() == marker] == points
     for line in axes.lines:
-        assert np.abs(np.diff(line.get_ydata())).max(initial=0.0) < 15.0 or line in circles
+        assert line.get_marker() == marker or np.abs(np.diff(line.get_ydata())).max(initial=0.0) < leap
     png(axes)
 
 
@@ -332,7 +193,6 @@ def test_no_branches_are_said_to_be_none() -> None:
     axes = panel()
     draw_orbit_branches(axes, [])
     assert written(axes) == ["no periodic orbit"] and axes.get_legend() is None
-    png(axes)
 
 
 def test_an_orbit_diagram_has_every_angle_and_exponents_a_curve_or_a_colour() -> None:

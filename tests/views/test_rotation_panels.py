@@ -77,9 +77,6 @@ def test_plane_of_one_cell_and_one_running_down_are_drawn() -> None:
     png(axes)
 
 
-# -- one parameter -----------------------------------------------------------------------------------------
-
-
 def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> None:
     omega = np.linspace(0.0, 1.0, 201)
     numbers = rotation_numbers(ARNOLD_FAMILY, omega, 0.95)
@@ -98,17 +95,6 @@ def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> 
     assert {"0/1", "1/3", "1/2", "2/3", "1/1"} <= set(written(axes))
     assert axes.get_ylabel() == "rotation number (turns a cycle)"
     png(axes)
-
-
-def test_staircase_without_plateaus_has_none() -> None:
-    omega = np.linspace(0.31, 0.32, 7)
-    axes = panel()
-    draw_rotation_numbers(axes, omega, rotation_numbers(ARNOLD_FAMILY, omega, 0.0))
-    assert len(axes.lines) == 1 and written(axes) == []
-    png(axes)
-
-
-# -- tongues -----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")

@@ -54,14 +54,9 @@ class BranchWalk:
                 self._advance()
         return self
 
-    @property
-    def last(self) -> OrbitState:
-        """Where the walk stands."""
-        return self.states[-1]
-
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        here = self.equations.point(self.last)
+        here = self.equations.point(self.states[-1])
         end = self.equations.within[1 if self.direction[-1] > 0.0 else 0]
         climb, room = self.direction[-1], np.inf  # the length of the step that reaches that end of the range
         if climb != 0.0:
@@ -92,25 +87,25 @@ class BranchWalk:
 
     def _accepted(self, solved: OrbitState) -> bool:
         """Take the step to ``solved`` unless it is too far, too bent or crosses a break that was not located."""
-        here, there = self.equations.point(self.last), self.equations.point(solved)
+        here, there = self.equations.point(self.states[-1]), self.equations.point(solved)
         push = self.equations.push(solved.parameter)(solved.theta) if solved.push is None else solved.push
         direction = self.equations.direction(solved.slopes, push, self.direction)
-        change = abs(solved.multiplier - self.last.multiplier)
+        change = abs(solved.multiplier - self.states[-1].multiplier)
         if (
             np.linalg.norm(there - here) > 2.0 * self.step
             or direction @ self.direction < _STRAIGHT
-            or (change > 0.5 + 0.5 * abs(self.last.multiplier) and self.step > 1e-4)
+            or (change > 0.5 + 0.5 * abs(self.states[-1].multiplier) and self.step > 1e-4)
             or self._crossed(self._angles(there), solved) is not None
         ):
             return False
-        self._take(solved, direction)
-        return True
-
-    def _take(self, solved: OrbitState, direction: Array) -> None:
-        before = self.last
-        if self._halves(before, solved):
+        before, half = self.states[-1], self.equations.period // 2
+        # Through an orbit of half the period, where the two halves change places?
+        old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
+        gap = shorter_way(old)
+        ahead = gap + new - old
+        if self.equations.period == 2 * half and (float(gap @ ahead) <= 0.0 or float(np.max(np.abs(ahead))) < 1e-9):
             self.reason = "half the period"
-            return
+            return True
         for target in (1.0, -1.0):
             if (before.multiplier - target) * (solved.multiplier - target) < 0.0:
                 state, found = smooth_bifurcation(self.equations, before, solved, self.direction, target)
@@ -120,15 +115,7 @@ class BranchWalk:
         self.states.append(solved if again is None else again)
         self.reason = "" if again is None else "closed"
         self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
-
-    def _halves(self, before: OrbitState, solved: OrbitState) -> bool:
-        """Whether the orbit has passed through one of half its period, where its two halves change places."""
-        half = self.equations.period // 2
-        if self.equations.period != 2 * half:
-            return False
-        old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
-        gap = shorter_way(old)
-        return float(gap @ (gap + new - old)) <= 0.0 or float(np.max(np.abs(gap + new - old))) < 1e-9
+        return True
 
     def _closing(self, before: OrbitState, solved: OrbitState, direction: Array) -> OrbitState | None:
         """The first state, on this step's whole turns and choice of the first point, if it lies on the step."""
@@ -148,13 +135,11 @@ class BranchWalk:
                 return rolled if heading @ direction > 0.5 else None
         return None
 
-    # -- breaks ----------------------------------------------------------------------------------------------
-
     def _crossed(self, theta: Array, state: OrbitState | None) -> tuple[int, int, float] | None:
-        if self.last.member.breaks.size == 0:
+        if self.states[-1].member.breaks.size == 0:
             return None
-        member = state.member if state is not None else self.last.member
-        return crossed_break(self.last, theta, break_motion(self.last.member.breaks, member.breaks))
+        member = state.member if state is not None else self.states[-1].member
+        return crossed_break(self.states[-1], theta, break_motion(self.states[-1].member.breaks, member.breaks))
 
     def _collision(self, guess: Array, solved: OrbitState | None) -> Collision | None:
         """The collision with a break on this step, whether the step or only its prediction crosses it."""
@@ -163,10 +148,10 @@ class BranchWalk:
         if crossed is None:
             return None
         point, which, share = crossed
-        here = self.equations.point(self.last)
+        here = self.equations.point(self.states[-1])
         near = here + share * (reached - here)
         p = float(np.clip(near[-1] * self.equations.scales[-1], *self.equations.within))
-        found = border_collision(self.equations, self.last, (self._angles(near), p), point, which)
+        found = border_collision(self.equations, self.states[-1], (self._angles(near), p), point, which)
         if found is None:
             return None
         offset = self.equations.point(found.state) - here
@@ -214,14 +199,14 @@ def follow_orbit(
     """The branch of periodic orbits through ``start``, followed both ways within the parameters (low, high).
 
     start : an orbit of the family's map at the parameter ``at`` (default: low), or an angle near a point of one, then
-    with its ``period`` and ``winding``.
+        with its ``period`` and ``winding``.
 
-    F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points of the orbit at once and followed in its arclength
-    (Keller 1977), so that folds in p are passed and every point is correct to rounding. Steps are halved where
-    Newton's method fails, the direction turns by more than 18° or the multiplier changes fast, and grow elsewhere
-    up to 0.08 in units of (θ, p/(high - low)). Saddle-nodes, period doublings and branch points are where the
-    multiplier passes ±1; border collisions where a point passes a break: beyond a kink the branch goes on
-    with the far side's slope, at a jump it ends. What happens twice within one step is missed.
+    F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points at once and followed in its arclength (Keller 1977), so that
+    folds in p are passed and every point is correct to rounding. Steps are halved where Newton's method fails, the
+    direction turns by more than 18° or the multiplier changes fast, and grow up to 0.08 in units of (θ, p/(high -
+    low)). Saddle-nodes, period doublings and branch points are where the multiplier passes ±1; border collisions where
+    a point passes a break: beyond a kink the branch goes on, at a jump it ends. What happens twice within one step is
+    missed.
 
     Raises InvalidInput when there is no such orbit at ``at``, ConvergenceError when a bifurcation cannot be located.
 
@@ -234,8 +219,25 @@ def follow_orbit(
     p = within[0] if at is None else finite_number("at", at)
     if not within[0] <= p <= within[1]:
         raise InvalidInput(f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside")
-    equations, first = _start(family, start, p, within, period, winding)
-    direction = equations.direction(first.slopes, equations.push(p)(first.theta))
+    if isinstance(start, Orbit):
+        points, turns = np.array(start.points), start.winding
+    else:
+        n, turns = whole_number("period", period, least=1), whole_number("winding", winding)
+        points = np.full(n, finite_number("start", start))
+        member = family_member(family, p)
+        for i in range(1, n):
+            points[i] = np.mod(member(points[i - 1]), TWO_PI)
+    equations = orbit_equations(family, points, p, turns, within)
+    first = equations.solved_at(p, points)
+    if first is None:  # on a saddle-node p cannot be held fixed: begin a little along the branch
+        given = equations.state(p, points)
+        if float(np.max(np.abs(equations.residual(given.member(points), points)))) <= _ON_ORBIT:
+            along = equations.direction(given.slopes, equations.push(p)(points))
+            ahead = (equations.solved_along(equations.point(given) + k * _ASIDE * along, along) for k in (1, -1))
+            first = next((state for state in ahead if state is not None), None)
+    if first is None or float(np.max(np.abs(first.theta - points))) > 0.5:
+        raise InvalidInput(f"no orbit of period {points.size} and winding {turns} at {p:.9g} near θ = {points[0]:.6g}")
+    direction = equations.direction(first.slopes, equations.push(first.parameter)(first.theta))
     forward = BranchWalk(equations, first, direction).walked()
     if forward.reason == "closed":
         return _branch(equations, forward.states, forward.special, ("closed", "closed"))
@@ -246,33 +248,6 @@ def follow_orbit(
         backward.special[::-1] + forward.special,
         (backward.reason, forward.reason),
     )
-
-
-def _start(
-    family: Family, start: Orbit | float, p: float, within: Range, period: int, winding: int
-) -> tuple[OrbitEquations, OrbitState]:
-    if isinstance(start, Orbit):
-        points, turns = np.array(start.points), start.winding
-    else:
-        n, turns = whole_number("period", period, least=1), whole_number("winding", winding)
-        points = np.full(n, finite_number("start", start))
-        member = family_member(family, p)
-        for i in range(1, n):
-            points[i] = np.mod(member(points[i - 1]), TWO_PI)
-    equations = orbit_equations(family, points, p, turns, within)
-    first = equations.solved_at(p, points) or _beside_fold(equations, equations.state(p, points))
-    if first is None or float(np.max(np.abs(first.theta - points))) > 0.5:
-        raise InvalidInput(f"no orbit of period {points.size} and winding {turns} at {p:.9g} near θ = {points[0]:.6g}")
-    return equations, first
-
-
-def _beside_fold(equations: OrbitEquations, given: OrbitState) -> OrbitState | None:
-    """A state a little along the branch from one on a saddle-node, where p cannot be held fixed."""
-    if float(np.max(np.abs(equations.residual(given.member(given.theta), given.theta)))) > _ON_ORBIT:
-        return None
-    direction = equations.direction(given.slopes, equations.push(given.parameter)(given.theta))
-    ahead = (equations.solved_along(equations.point(given) + k * _ASIDE * direction, direction) for k in (1, -1))
-    return next((state for state in ahead if state is not None), None)
 
 
 def _branch(
@@ -310,9 +285,8 @@ def orbit_branches(
     """All branches of periodic orbits of this period and winding within the parameters (low, high).
 
     All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``); one that lies on no
-    branch found so far starts a new one (``follow_orbit``). So a branch is lost only when it lives and dies between two
-    neighbouring ones of these parameters, or where ``periodic_orbits`` would lose it. An orbit that is neutral or
-    on a kink just at one of them is left to the next.
+    branch found so far starts a new one (``follow_orbit``): a branch that lives and dies between two of these
+    parameters is lost. An orbit that is neutral or on a kink just at one of them is left to the next.
 
     Raises InvalidInput as these two do, for instance where the map's iterate is the identity.
 
@@ -322,26 +296,26 @@ def orbit_branches(
     within = parameter_range("parameters", parameters)
     n, w = whole_number("period", period, least=1), whole_number("winding", winding)
     branches: list[OrbitBranch] = []
+
+    def known(branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
+        """Whether the branch passes through the orbit, solved where the branch crosses the parameter."""
+        before, after = branch.parameter[:-1] - p, branch.parameter[1:] - p
+        for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
+            share = before[i] / (before[i] - after[i])
+            near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
+            hops = np.round((member(near) - np.roll(near, -1)) / TWO_PI)
+            solved = OrbitEquations(family, hops, branch.winding, (p - 1.0, p + 1.0)).solved_at(p, near, member)
+            if solved is not None and _same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
+                return True
+        return False
+
     for p in np.linspace(*within, whole_number("resolution", resolution, least=1) + 1):
         member = family_member(family, float(p))
         for orbit in periodic_orbits(member, n, w):
             regular = orbit.kind in ("stable", "unstable") and orbit.multiplier == orbit.left_multiplier
-            if regular and not any(_holds(family, branch, float(p), member, orbit) for branch in branches):
+            if regular and not any(known(branch, float(p), member, orbit) for branch in branches):
                 branches.append(follow_orbit(family, orbit, within, at=float(p)))
     return branches
-
-
-def _holds(family: Family, branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
-    """Whether the branch passes through the orbit, solved where the branch crosses the parameter."""
-    before, after = branch.parameter[:-1] - p, branch.parameter[1:] - p
-    for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
-        share = before[i] / (before[i] - after[i])
-        near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
-        hops = np.round((member(near) - np.roll(near, -1)) / TWO_PI)
-        solved = OrbitEquations(family, hops, branch.winding, (p - 1.0, p + 1.0)).solved_at(p, near, member)
-        if solved is not None and _same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
-            return True
-    return False
 
 
 def _same_orbit(one: Array, other: Array, tolerance: float) -> bool:
@@ -379,6 +353,13 @@ def bifurcations(
     return sorted(kept, key=lambda found: float(found.parameter))
 
 
+def _of_kind(
+    kind: str, family: Family, parameters: Range, period: int, winding: int, resolution: int
+) -> list[Bifurcation]:
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == kind]
+
+
 def saddle_nodes(
     family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
 ) -> list[Bifurcation]:
@@ -389,8 +370,7 @@ def saddle_nodes(
     >>> birth.parameter.holds(0.2 * np.pi)
     True
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "saddle-node"]
+    return _of_kind("saddle-node", family, parameters, period, winding, resolution)
 
 
 def period_doublings(
@@ -403,8 +383,7 @@ def period_doublings(
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
     True
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "period-doubling"]
+    return _of_kind("period-doubling", family, parameters, period, winding, resolution)
 
 
 def border_collisions(
@@ -418,5 +397,4 @@ def border_collisions(
     >>> [(one.folds, bool(one.parameter.holds(0.0))) for one in border_collisions(tent, (-1.0, 1.0))]
     [(True, True)]
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "border-collision"]
+    return _of_kind("border-collision", family, parameters, period, winding, resolution)

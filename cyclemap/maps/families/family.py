@@ -24,17 +24,16 @@ _FALL = 1e-12  # radians: a smaller descent is rounding
 class ParametricLift:
     """A family of degree-1 lifts F(θ; p₁, p₂, ...) by one formula; called with numbers it gives the CircleMap.
 
-    lift : ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta, shape (..., n),
-        and parameters, each a number or of shape (n,). Several threads may call it at once.
+    lift : ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta, shape (..., n), and
+        parameters, each a number or of shape (n,). Several threads may call it at once.
     derivative : the same for F', or None: then differences.
     breaks : radians, the same for the whole family, where F jumps or F' does.
-    nondecreasing : ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls; None
-        compares F at 65 angles instead, which sees only folds wider than that.
+    nondecreasing : ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls; None compares
+        F at 65 angles instead, which sees only folds wider than that.
     circle_map : makes the member at given numbers where a faster form than the formula exists; else None.
     max_error : a bound on |lift - truth| in radians, as of ``CircleMap``.
 
-    It is a callable parameters → CircleMap, as all tools for families take. Raises InvalidInput for what is not
-    callable; each member is checked like any CircleMap.
+    Raises InvalidInput for what is not callable; each member is checked like any CircleMap.
 
     >>> two_waves = ParametricLift(lambda x, shift, size: x + shift + size * np.sin(2 * x))
     >>> round(float(two_waves(0.5, 0.2).turn(np.pi / 4)), 12)
@@ -82,9 +81,6 @@ class ParametricLift:
 
 def _at(function: ParametricFunction, values: list[float], theta: Array) -> Array:
     return function(theta, *values)
-
-
-# -- textbook families -------------------------------------------------------------------------------------
 
 
 def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
@@ -164,9 +160,6 @@ def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
     if side > 0:
         return np.asarray(circle_map.right(theta) - SIDE_STEP * circle_map.right_derivative(theta))
     return np.asarray(circle_map.left(theta) + SIDE_STEP * circle_map.left_derivative(theta))
-
-
-# -- how a lift moves with the parameter -----------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

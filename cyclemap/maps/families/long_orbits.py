@@ -76,9 +76,9 @@ def lyapunov_exponents(
     """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that broadcast together.
 
     family : parameters → CircleMap. A ``ParametricLift`` that has a derivative, ``CircleMap.arnold`` and
-    ``CircleMap.moebius`` are followed all together, others one by one, a hundred times slower. One array gives a
-    curve, ``values[:, None]`` and another one a plane. The mean of ln|F'| over ``cycles`` cycles after
-    ``transient`` ones: good to about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far better.
+        ``CircleMap.moebius`` are followed all together, others one by one, a hundred times slower. The mean of ln|F'|
+        over ``cycles`` cycles after ``transient`` ones: good to about 1/cycles on periodic orbits;
+        ``lyapunov_exponent`` solves one map's far better.
 
     Raises InvalidInput for parameters that are not finite, none at all, or a family that gives no CircleMap.
 
@@ -108,7 +108,8 @@ def lyapunov_exponents(
         for place, values in enumerate(zip(*(array.tolist() for array in flat), strict=True)):
             member = family_member(family, *values)
             visited = orbit_angles(member, theta, skipped + count)[skipped:]
-            parts[:, place] = np.add.reduceat(_log(member.derivative(visited)), np.cumsum(lengths) - lengths)
+            logs = _log(member.derivative(visited))
+            parts[:, place] = np.add.reduceat(logs, np.cumsum(lengths) - lengths)
     means = parts / lengths[:, None]
     with np.errstate(invalid="ignore"):
         error = _DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)
@@ -144,19 +145,16 @@ def lyapunov_exponent(
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
-    With noise: the integral over the stationary law of ``transfer_operator``, on Gauss-Legendre panels graded towards
-    the folds; the bound is that of ``TransferOperator.expectation`` (``max_error`` bounds F, not F': it counts through
-    the law only) and the error of F' (``derivative_and_error``), which matters where F' has a double zero.
+    With noise: the integral over the stationary law, on panels graded towards the folds; the bound is that of
+    ``TransferOperator.expectation`` (``max_error`` counts through the law only) and the error of F'.
     Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
     - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit itself, solved by
       Newton's method; the bound is a measured one of rounding;
-    - where it is quasi-periodic, the weighted Birkhoff average (Das, Saiki, Sander & Yorke 2017), with the estimated
-      error of ``weighted_mean``;
-    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means of 40 batches:
-      a statistical bound, and it is about 1e-2.
-    To each the error of F' adds; inf where F' is lost in it. -inf where F' = 0 on a set that the law or the orbit
-    visits. Without a start: the orbits from five angles that no symmetry favours, so that none lies on a repelling
-    orbit; a small basin may be missed.
+    - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of ``birkhoff_average``;
+    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means of 40 batches: a
+      statistical bound, and it is about 1e-2. To each the error of F' adds (``derivative_and_error``); inf where F' is
+      lost in it. -inf where F' = 0 on a set that the law or the orbit visits. Without a start: the orbits from five
+      angles that no symmetry favours, so that none lies on a repelling orbit; a small basin may be missed.
 
     Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors;
     ConvergenceError where F has no derivative that differences can follow.
@@ -239,9 +237,6 @@ def _from_slopes(errors: Array, stretch: Array) -> float:
     """What the errors of F' make of the mean of ln|F'|; inf where F' may be zero."""
     share = errors / stretch
     return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
-
-
-# -- periodic attractors -------------------------------------------------------------------------------------
 
 
 def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:

@@ -194,10 +194,10 @@ class Bifurcation:
 
     kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1), "border-collision" (a
         point of the orbit meets a break of the map) or "branch point" (multiplier 1 where branches cross).
-    parameter : where, with a bound on its error. points : shape (period,), radians in [0, 2π), in order of visit,
-        the smallest first; of a border collision the one on the break first.
-    period, winding : of the orbit. multiplier : (Fⁿ)' there; at a border collision with the slope from the right of
-        the break, and left_multiplier with that from the left (equal otherwise).
+    parameter : where, with a bound on its error. points : shape (period,), radians in [0, 2π), in order of visit, the
+        smallest first; of a border collision the one on the break first.
+    period, winding : of the orbit. multiplier, left_multiplier : (Fⁿ)' there; at a border collision with the slopes
+        from the right and from the left of the break.
     jump : whether the break met is a jump of the map, where the branch ends, and not a kink.
     residual : the largest residual of the equations of the orbit and of the condition.
     """
@@ -226,9 +226,6 @@ class Bifurcation:
         if self.kind != "border-collision":
             return self.kind == "saddle-node"
         return not self.jump and (self.multiplier - 1.0) * (self.left_multiplier - 1.0) < 0.0
-
-
-# -- multiplier ±1 ---------------------------------------------------------------------------------------------
 
 
 def smooth_bifurcation(
@@ -288,9 +285,9 @@ def recorded(
 ) -> Bifurcation:
     """The bifurcation with its bound: |last row of the extended Jacobian's inverse|·(|residual| + rounding).
 
-    push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ, p). residual :
-    of all n + 1 equations. multipliers : from the right and from the left where they differ. The bound is good to
-    first order; nothing beyond that is proved.
+    push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ, p). residual : of all n
+        + 1 equations. multipliers : from the right and from the left where they differ. Good to first order; nothing
+        beyond that is proved.
     """
     points = np.mod(at.theta, TWO_PI)
     extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])

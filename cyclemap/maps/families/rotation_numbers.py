@@ -38,7 +38,7 @@ class RotationNumbers:
 
     value : the middle of [lower, upper]. lower, upper : the truth lies between them (rounded outward).
     period, winding : q and p where ρ = p/q is proved, else 0 and 0.
-    tolerance : what was asked for; ``met`` tells where |value - truth| ≤ tolerance is proved.
+    tolerance : what was asked for: half the width of the enclosures that meet it.
     """
 
     value: Array
@@ -47,11 +47,6 @@ class RotationNumbers:
     period: Whole
     winding: Whole
     tolerance: float
-
-    @property
-    def met(self) -> Mask:
-        """Where the enclosure is no wider than twice the tolerance."""
-        return np.asarray(self.upper - self.lower <= 2.0 * self.tolerance)
 
 
 def rotation_numbers(
@@ -64,12 +59,10 @@ def rotation_numbers(
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
     threads : None takes one a processor; the numbers do not depend on it.
 
-    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ by p/n from below
-    and (p + 1)/n from above (Poincaré 1885); maps whose bounds are near enough drop out, most after about
-    1/√tolerance cycles. Orbits that start beside an attracting periodic orbit, on either side of it, prove
-    locking. e covers rounding and the family's ``max_error`` as in ``rotation_number``, so the enclosures are
-    proved on the same terms. Within 1/tolerance + 2 cycles every map meets the tolerance unless ρ depends so
-    steeply on a shift by e that it cannot (contractions with jumps, a large max_error): see ``met``.
+    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ by p/n from below and
+    (p + 1)/n from above (Poincaré 1885), on the terms of ``rotation_number``; maps whose bounds are near enough drop
+    out, most after about 1/√tolerance cycles, all but those whose ρ depends too steeply on e within 1/tolerance + 2.
+    Orbits that start beside an attracting periodic orbit, on either side of it, prove locking.
 
     Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers are an interval: see
     ``rotation_interval``, ``rotation_plane``), ConvergenceError when the bounds contradict each other.
@@ -92,11 +85,13 @@ def rotation_numbers(
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
     lower, upper = _bounds(formula, flat, wanted, workers)
-    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), _most_cycles(wanted))
+    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / wanted)) + 2)
     winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
     value = np.where(period > 0, lower, 0.5 * (lower + upper))
-    found = (value, _outward(lower, -np.inf), _outward(upper, np.inf))
-    value, lower, upper = (read_only(part.reshape(shape)) for part in found)
+    # Bounds p/n as floats, moved outward by the rounding of that division.
+    lower = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
+    upper = np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
+    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
     period, winding = period.reshape(shape), winding.reshape(shape)
     for whole in (period, winding):
         whole.setflags(write=False)
@@ -108,25 +103,21 @@ def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, w
     size = parameters[0].size
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
 
-    def start(at: int) -> _Orbits:
-        return _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
+    def begun(at: int) -> _Orbits:
+        orbits = _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
+        return _advanced(orbits, early, tolerance, lower, upper)
 
-    def advance(orbits: _Orbits, looks: list[int]) -> _Orbits:
-        return _advanced(orbits, looks, tolerance, lower, upper)
-
-    most = _most_cycles(tolerance)
+    # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
+    most = int(np.floor(1.0 / tolerance)) + 2
     looks = [*(look for look in _LOOKS if look < most), *range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
     early, late = [n for n in looks if n <= _EARLY], [n for n in looks if n > _EARLY]
     with ThreadPoolExecutor(workers) as pool:
-        left = list(pool.map(lambda at: advance(start(at), early), range(0, size, _CHUNK)))
+        left = list(pool.map(begun, range(0, size, _CHUNK)))
         if late and left:
-            list(pool.map(lambda orbits: advance(orbits, late), _rechunked(left)))
+            list(pool.map(lambda orbits: _advanced(orbits, late, tolerance, lower, upper), _rechunked(left)))
     if np.any(lower > upper):
         raise ConvergenceError("bounds contradict each other: the lift is computed worse than its max_error says")
     return lower, upper
-
-
-# -- one piece of the parameters ---------------------------------------------------------------------------
 
 
 @dataclass
@@ -231,16 +222,6 @@ def _rechunked(parts: list[_Orbits]) -> list[_Orbits]:
     return [whole.those(index == k) for k in range(-(-place.size // _CHUNK))]
 
 
-def _most_cycles(tolerance: float) -> int:
-    """After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough."""
-    return int(np.floor(1.0 / tolerance)) + 2
-
-
-def _outward(bound: Array, side: float) -> Array:
-    """Bounds p/n as floats, moved outward by the rounding of that division."""
-    return np.where(bound == np.round(bound), bound, np.nextafter(bound, side))
-
-
 def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
     """The least q ≤ longest with some p/q in [lower, upper], else 0."""
     period = np.zeros(lower.shape, dtype=np.int64)
@@ -264,8 +245,7 @@ class RotationPlane:
     value : the middle of [lower, upper], or what ``rotation_number`` gives for a map done by itself; where the lift
         folds, the weighted Birkhoff average of the one orbit from θ = 0.
     lower, upper : the truth lies between them; where the lift folds, all of its rotation interval does.
-    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0.
-    folded : where the lift falls somewhere, so that rotation numbers fill an interval.
+    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0. folded : where the lift falls.
     tolerance : the half-width that was asked for where the lift does not fold.
     """
 
@@ -292,15 +272,13 @@ def rotation_plane(
 
     family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``, ``CircleMap.arnold``
         and ``CircleMap.moebius`` are done many maps at once (``rotation_numbers``) where the lifts do not fold, all
-        else map by map (``rotation_number``), hundreds of times slower: write such a family as a ``ParametricLift``.
+        else map by map (``rotation_number``), hundreds of times slower.
     first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
-    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold.
+    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold; one
+        that is wider shows it by its ``lower`` and ``upper``.
 
-    Enclosures hold on the terms of ``rotation_number``; one that is wider than the tolerance shows it by its own
-    ``lower`` and ``upper``. Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q.
-
-    Raises InvalidInput for axes that are empty, not finite or not monotone, and for a map that is no CircleMap of
-    degree 1.
+    Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes that are empty, not
+    finite or not monotone, and for a map that is no CircleMap of degree 1.
 
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.locked(1, 1)

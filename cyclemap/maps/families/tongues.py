@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import partial
 from itertools import pairwise
 from math import gcd
 from typing import Any
@@ -55,7 +54,15 @@ def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, ma
     these alone when the sign there is the wanted one already. Of a nondecreasing map this gives the right sign even
     where the extremum lies at a break of the iterate: the sign is the same all along an orbit.
     """
-    found = _beside_breaks(circle_map, ratio, sign)
+    breaks, found = circle_map.breaks, Extremum(-np.inf, 0.0)
+    if breaks.size:
+        image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
+        lap = np.rint(image / TWO_PI)
+        image -= TWO_PI * lap
+        rest, _, _ = displacement(circle_map, image, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64))
+        values = sign * (rest + (image - breaks))
+        best = int(np.argmax(values))
+        found = Extremum(float(values.flat[best]), float(breaks[best % breaks.size]))
     if found.value < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
@@ -63,18 +70,6 @@ def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, ma
         best = int(np.argmax(np.append(values, found.value)))
         found = Extremum(float(values[best]), float(theta[best])) if best < theta.size else found
     return Extremum(sign * found.value, found.theta)
-
-
-def _beside_breaks(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
-    breaks = circle_map.breaks
-    if breaks.size == 0:
-        return Extremum(-np.inf, 0.0)
-    image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
-    lap = np.rint(image / TWO_PI)
-    rest = displacement(circle_map, image - TWO_PI * lap, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64))
-    values = sign * (rest[0] + (image - TWO_PI * lap - breaks))
-    best = int(np.argmax(values))
-    return Extremum(float(values.flat[best]), float(breaks[best % breaks.size]))
 
 
 def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
@@ -103,9 +98,6 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
             found = Extremum(float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))]))
         start, width = (start[left, None] + width * _QUARTERS[:-1]).ravel(), 0.25 * width
     return found
-
-
-# -- the edge ------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -150,31 +142,24 @@ class EdgeSearch:
         far from zero the plain M/q is straighter.
         """
         if p not in self.tried:
-            self.tried[p] = self._trial(p)
-            self._check_monotone(p)
+            member = family_member(self.family, p)
+            if member.degree != 1:
+                raise InvalidInput(f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1")
+            monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
+            found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
+            self.tried[p] = _Trial(member, monotone, found, np.asarray(member(_PROBES)))
+            order = sorted(self.tried)
+            for low, high in pairwise(order[max(order.index(p) - 1, 0) : order.index(p) + 2]):
+                first, second = self.tried[low], self.tried[high]
+                fall = float(np.max(first.lift - second.lift))
+                if fall > 1e-12 + first.member.max_error + second.member.max_error:
+                    raise InvalidInput(
+                        f"the family falls with its parameter: F drops by {fall:.3g} radians from {low:.9g} to "
+                        f"{high:.9g}; tongue edges need a family that nowhere decreases (try the negative parameter)"
+                    )
         trial = self.tried[p]
         far = abs(trial.found.value) > _FAR
         return trial.found.value / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
-
-    def _trial(self, p: float) -> _Trial:
-        member = family_member(self.family, p)
-        if member.degree != 1:
-            raise InvalidInput(f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1")
-        monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
-        found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
-        return _Trial(member, monotone, found, np.asarray(member(_PROBES)))
-
-    def _check_monotone(self, p: float) -> None:
-        order = sorted(self.tried)
-        around = order[max(order.index(p) - 1, 0) : order.index(p) + 2]
-        for low, high in pairwise(around):
-            first, second = self.tried[low], self.tried[high]
-            fall = float(np.max(first.lift - second.lift))
-            if fall > 1e-12 + first.member.max_error + second.member.max_error:
-                raise InvalidInput(
-                    f"the family falls with its parameter: F drops by {fall:.3g} radians from {low:.9g} to "
-                    f"{high:.9g}; tongue edges need a family that nowhere decreases (try the negative parameter)"
-                )
 
     @property
     def _sign(self) -> float:
@@ -205,18 +190,17 @@ class EdgeSearch:
             self.tried.clear()
             self.require_inside()
             low, high = self.within
-        error = above - below + self._moved_by(parameter, trial, unseen.value)
-        return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
-
-    def _moved_by(self, p: float, trial: _Trial, unseen: float) -> float:
-        """How far the lift's rounding and a value ``unseen`` can move the edge, to first order along its orbit."""
-        within, step = self.within, 1e-6 * (self.within[1] - self.within[0])
-        tangent = parameter_tangent(self.family, p, step, within)
+        # How far the lift's rounding and what is unseen can move the edge, to first order along its orbit.
+        step = 1e-6 * (self.within[1] - self.within[0])
+        tangent = parameter_tangent(self.family, parameter, step, self.within)
         disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
         if moved <= 0.0:
-            raise ConvergenceError(f"the orbits of rotation {self.ratio} do not move with the parameter at {p:.9g}")
+            raise ConvergenceError(
+                f"the orbits of rotation {self.ratio} do not move with the parameter at {parameter:.9g}"
+            )
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
-        return (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(p)
+        error = above - below + (LIFT * angle * disturbed + unseen.value) / moved + 2.0 * EPS * abs(parameter)
+        return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""
@@ -294,11 +278,6 @@ class TongueBoundaries:
     right_error: Array
     folded: Mask
 
-    @property
-    def width(self) -> Array:
-        """right - left, shape (k, m), zero where the edges agree within rounding."""
-        return np.maximum(self.right - self.left, 0.0)
-
 
 def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
@@ -306,21 +285,18 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     family : parameter → CircleMap of degree 1. ratio : a Fraction, a whole number, or (p, q) in lowest terms.
     parameters : (low, high), with the whole tongue inside; the family is called only there.
 
-    Left edge: where the largest value of F^q - id - 2πp over the circle reaches 0; right edge: where the
-    least does (Arnold 1965; Herman 1977). At a smooth edge a saddle-node of period q is born, at a kink or jump
-    a border collision. Where F folds, the same of its monotone envelopes: the left edge of F⁺ and the right
-    edge of F⁻ bound the parameters whose rotation interval holds p/q, where for a continuous lift an orbit
-    of that rotation number exists (Boyland 1986). Both extrema are monotone in the parameter, so each edge is
-    bracketed to neighbouring floats. A tongue narrower than rounding has width 0 and the bound says how narrow.
+    Left edge: where the largest value of F^q - id - 2πp over the circle reaches 0; right edge: where the least does
+    (Arnold 1965; Herman 1977): a saddle-node of period q, at a kink or jump a border collision. Where F folds, the same
+    of its monotone envelopes: the left edge of F⁺ and the right edge of F⁻ bound the parameters whose rotation interval
+    holds p/q (Boyland 1986). Both extrema are monotone in the parameter, so each edge is bracketed to neighbouring
+    floats. A tongue narrower than rounding has width 0 and the bound says how narrow.
 
-    The error bounds add the bracket, the lift's rounding (a lift moved by δ moves the edge by at most δ over
-    the least ∂F/∂p; taken to first order along the edge's orbit), some 2e-15 for ``arnold``, and what the search for
-    extrema may have missed just outside the edge: since F^q does not fall, no value between two samples exceeds the
-    second by more than their distance, and samples are added until that rules every other hump out (proved). Where
-    4096 samples cannot, as near the top itself or in a tongue next to nothing wide, F^q counts as smooth where a
-    quartic meets five neighbours to rounding: humps narrower, at half their height, than a tenth of a milliradian, and
-    no higher, may hide there.
-    The bounds hold for the family as given: ``max_error`` is not added.
+    The error bounds add the bracket, the lift's rounding (to first order along the edge's orbit), some 2e-15 for
+    ``arnold``, and what the search for extrema may have missed just outside the edge: since F^q does not fall, no value
+    between two samples exceeds the second by more than their distance, and samples are added until that rules every
+    other hump out (proved). Where 4096 samples cannot, F^q counts as smooth where a quartic meets five neighbours to
+    rounding: humps narrower, at half their height, than a tenth of a milliradian, and no higher, may hide there.
+    ``max_error`` is not added.
 
     Raises InvalidInput when an edge lies outside the range or the family is seen to fall.
 
@@ -354,9 +330,6 @@ def rotation_ratio(ratio: Any) -> Fraction:
     return Fraction(p, q)
 
 
-# -- over a second parameter -----------------------------------------------------------------------------------
-
-
 def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Range) -> TongueBoundaries:
     """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of ``second``.
 
@@ -378,29 +351,22 @@ def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Rang
     for s, side in enumerate(("left", "right")):
         for i, ratio in enumerate(wanted):
             for j, value in enumerate(values.tolist()):
-                search = EdgeSearch(partial(_swapped, family, value), ratio, side, (low, high))
+                search = EdgeSearch(lambda first, value=value: family(first, value), ratio, side, (low, high))
                 search.require_inside()
-                edge = search.edge(*_bracket(search, found[s, i, :j, 0], (low, high)))
+                first, last, before = low, high, found[s, i, :j, 0]
+                if j > 1:  # round the line through the edges before it, widened until it holds the edge
+                    guess, step = 2.0 * before[-1] - before[-2], 0.1 * abs(before[-1] - before[-2])
+                    reach = step + 1e-9 * (high - low)
+                    first, last = max(low, guess - reach), min(high, guess + reach)
+                    while (first, last) != (low, high) and not (
+                        first < last and search.value(first) < 0.0 <= search.value(last)
+                    ):
+                        reach *= _WIDENING
+                        first, last = max(low, guess - reach), min(high, guess + reach)
+                edge = search.edge(first, last)
                 found[s, i, j] = edge.parameter, edge.error, edge.folded
     (left, left_error), (right, right_error) = (
         tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found
     )
     folded = np.any(found[..., 2] > 0.0, axis=0)
     return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
-
-
-def _swapped(family: Family, second: float, first: float) -> CircleMap:
-    return family(first, second)
-
-
-def _bracket(search: EdgeSearch, before: Array, within: Range) -> Range:
-    """A bracket of the edge round the line through the edges before it, widened until it holds the edge."""
-    if before.size < 2:
-        return within
-    guess = 2.0 * before[-1] - before[-2]
-    reach = 0.1 * abs(before[-1] - before[-2]) + 1e-9 * (within[1] - within[0])
-    while True:
-        low, high = max(within[0], guess - reach), min(within[1], guess + reach)
-        if (low, high) == within or (low < high and search.value(low) < 0.0 <= search.value(high)):
-            return low, high
-        reach *= _WIDENING

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +13,7 @@ from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, Scalar, base_angles
+from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, base_angles
 from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells
 
 
@@ -49,26 +48,6 @@ class MonotoneTable:
         rising, side = self.sign * self.value, "right" if self.sign > 0 else "left"
         cell = np.searchsorted(rising, self.sign * values, side=side) - 1  # type: ignore[call-overload]
         return np.asarray(np.clip(cell, 0, self.theta.size - 2))
-
-    def inverse_of_one_float(self) -> Scalar:
-        """The same inverse for one python float (Brent 1973, ch. 4)."""
-        from scipy.optimize import brentq  # slow to import, and seldom asked for
-
-        sign, lift = self.sign, self.map.scalar()
-        nodes, rising = self.theta.tolist(), (self.sign * self.value).tolist()
-        bisect, final = bisect_right if sign > 0 else bisect_left, len(nodes) - 2
-
-        def inverse(value: float) -> float:
-            wanted = sign * value
-            cell = min(max(bisect(rising, wanted) - 1, 0), final)
-            low, high = nodes[cell], nodes[cell + 1]
-            if sign * lift(low) >= wanted:
-                return float(low)
-            if sign * lift(high) <= wanted:
-                return float(high)
-            return float(brentq(lambda x: sign * lift(x) - wanted, low, high, xtol=EPS, rtol=4.0 * EPS))
-
-        return inverse
 
 
 RESOLUTION = 512
@@ -120,10 +99,9 @@ class Branch:
 def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
 
-    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes; a kink inside a
-    monotone piece does not cut. A map without any cut is one branch, [0, 2π]. The last branch ends one turn
-    after the first starts. Complete down to the resolution, as ``monotone_cells``: two folds in one of at
-    least ``resolution`` cells a turn are missed. Constant pieces shorter than 1e-5 radians join a neighbour.
+    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes. A map without any cut is
+    one branch, [0, 2π]. Complete down to the resolution, as ``monotone_cells``. Constant pieces shorter than 1e-5
+    radians join a neighbour.
 
     Raises ConvergenceError when the map is too steep to be cut into cells.
 
@@ -131,21 +109,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
     cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
-    first, last = _one_sided_values(circle_map, cells)
-    smooth = _joined(first, last, cells.climb)
-    direction = _directions(cells, first, last, smooth)
-    cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
-    if cut.size == 0:
-        cut = np.array([0])
-    ends = np.append(cut[1:], cut[0] + cells.size)
-    return tuple(
-        _branch(circle_map, cells, first, last, int(direction[a]), np.arange(a, b))
-        for a, b in zip(cut, ends, strict=True)
-    )
-
-
-def _one_sided_values(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array]:
-    """F at the start and at the end of each cell, its own limit where a break lies there."""
+    # F at the start and at the end of each cell, its own limit where a break lies there.
     first, last = cells.g_start.copy(), cells.g_end.copy()
     after, before = cells.cut, np.roll(cells.cut, -1)
     if np.any(after):
@@ -154,15 +118,23 @@ def _one_sided_values(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array
         first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
         # The limit from below is read SIDE_STEP before the break: go on along the slope there.
         last[before] = circle_map.left(end) + SIDE_STEP * circle_map.left_derivative(end)
-    return first, last
-
-
-def _joined(first: Array, last: Array, climb: float) -> Mask:
-    """Whether F is continuous at the start of each cell; ``last`` then takes the next cell's value."""
-    following = np.append(first[1:], first[0] + climb)
+    following = np.append(first[1:], first[0] + cells.climb)
     smooth_after = np.abs(following - last) <= JUMP
     last[smooth_after] = following[smooth_after]
-    return np.roll(smooth_after, 1)
+    smooth = np.roll(smooth_after, 1)
+    direction = _directions(cells, first, last, smooth)
+    cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
+    cut, made = cut if cut.size else np.array([0]), []
+    for a, b in zip(cut, np.append(cut[1:], cut[0] + cells.size), strict=True):
+        lap, own_cells = np.divmod(np.arange(a, b), cells.size)
+        laps, sign = np.append(lap, lap[-1]), -1 if direction[a] < 0 else 1
+        theta = np.append(cells.start[own_cells], cells.end[own_cells[-1]]) + TWO_PI * laps
+        value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
+        rising = np.maximum.accumulate(sign * value)
+        table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
+        ends = [float(part[i]) for part in (theta, value) for i in (0, -1)]
+        made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
+    return tuple(made)
 
 
 def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
@@ -180,19 +152,6 @@ def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
         after = (i + 1) % cells.size
         direction[i] = direction[after] if smooth[after] else 0
     return np.where(direction == _UNKNOWN, 0, direction)
-
-
-def _branch(circle_map: CircleMap, cells: Cells, first: Array, last: Array, direction: int, own: Whole) -> Branch:
-    lap, own = own // cells.size, own % cells.size
-    theta = np.append(cells.start[own], cells.end[own[-1]]) + TWO_PI * np.append(lap, lap[-1])
-    value = np.append(first[own], last[own[-1]]) + cells.climb * np.append(lap, lap[-1])
-    sign = -1 if direction < 0 else 1
-    rising = np.maximum.accumulate(sign * value)
-    table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
-    return Branch(float(theta[0]), float(theta[-1]), float(value[0]), float(value[-1]), direction, table)
-
-
-# -- preimages ---------------------------------------------------------------------------------------------
 
 
 def preimages(circle_map: CircleMap, angle: float) -> Array:

@@ -98,12 +98,7 @@ class CircleMap:
             object.__setattr__(self, name, value)
 
     def remade_by(self, maker: Callable[..., CircleMap], *arguments: Any, **options: Any) -> CircleMap:
-        """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle.
-
-        >>> import pickle
-        >>> float(pickle.loads(pickle.dumps(CircleMap.rigid(0.25).remade_by(CircleMap.rigid, 0.25)))(0.0)) > 1.57
-        True
-        """
+        """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle."""
         self._set(_recipe=(maker, arguments, options))
         return self
 
@@ -111,7 +106,13 @@ class CircleMap:
         _, arguments, options = self._recipe
         for part in (*arguments, *options.values()):
             if callable(part) and not isinstance(part, CircleMap):
-                _require_picklable(part)
+                try:
+                    pickle.dumps(part)
+                except Exception as cause:
+                    raise InvalidInput(
+                        f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def "
+                        "at the top of a module (or sample it: CircleMap.from_samples)"
+                    ) from cause
         return _remade, (self._recipe,)
 
     def __copy__(self) -> CircleMap:
@@ -127,8 +128,6 @@ class CircleMap:
         theta = np.linspace(0.0, TWO_PI, 361)
         caption = f"{self!r}: turn of a cycle (rad) over θ from 0 to 2π"
         return inline_svg(map_strokes(theta, self.turn(theta), self.breaks), caption)
-
-    # -- values --------------------------------------------------------------------------------------------
 
     def __call__(self, theta: Any) -> Array:
         """The lift F(θ); ``theta`` in radians, any shape, any real numbers."""
@@ -188,15 +187,9 @@ class CircleMap:
         lift = self._lift
         return lambda theta: float(lift(np.asarray(theta)))
 
-    # -- constructors --------------------------------------------------------------------------------------
-
     @classmethod
     def with_scalar(cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any) -> CircleMap:
-        """A map with a second form of its lift for one python float (faster in loops); both must agree.
-
-        >>> CircleMap.with_scalar(lambda x: 2.0 * x, None, lambda x: 2.0 * x, degree=2).scalar()(0.5)
-        1.0
-        """
+        """A map with a second form of its lift for one python float (faster in loops); both must agree."""
         made = cls(lift, derivative, **options)
         check_scalar(scalar, lift, derivative)
         made._set(_scalar=scalar)
@@ -261,7 +254,19 @@ class CircleMap:
         >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
         (2.5, 3)
         """
-        checked = _blaschke_zeros(zeros)
+        try:
+            given = np.asarray(zeros, dtype=np.complex128)
+        except (TypeError, ValueError) as cause:
+            raise InvalidInput(f"zeros must hold complex numbers only, not {zeros!r}") from cause
+        if given.ndim != 1 or given.size == 0:
+            raise InvalidInput(f"zeros has shape {given.shape}: give a list of one complex number or more")
+        outside = ~(np.abs(given) < 1.0)
+        if np.any(outside):
+            entry = int(np.argmax(outside))
+            raise InvalidInput(
+                f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit circle, |a| < 1"
+            )
+        checked = tuple(complex(a) for a in given)
         forms = _blaschke_forms(checked, TWO_PI * finite_number("omega", omega))
         return cls.with_scalar(*forms, degree=len(checked)).remade_by(cls.blaschke, checked, omega)
 
@@ -269,12 +274,10 @@ class CircleMap:
     def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
         """The lift made of branches, each a function on its own interval.
 
-        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting
-            where the one before ends (to 1e-12), together one turn. Every lift and derivative is a callable
-            as for ``CircleMap`` but is called on its own [start, end] only; derivative None takes
-            differences of fourth order inside that interval.
-        degree : any whole number. F(θ + 2π) = F(θ) + 2π·degree carries the branches along the line, so the
-            last end meets the first start there, with or without a jump.
+        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting where the
+            one before ends (to 1e-12), together one turn. Lifts and derivatives are callables as for ``CircleMap``,
+            called on their own [start, end] only; derivative None takes differences inside that interval.
+        degree : any whole number; with it the last end meets the first start, with or without a jump.
 
         Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative 1e-9; 1e-6 by
         differences); at a seam the map takes the value of the branch that starts there.
@@ -298,13 +301,13 @@ class CircleMap:
     ) -> CircleMap:
         """The piecewise cubic Hermite lift through samples (θ_i, F(θ_i)) of one turn.
 
-        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point.
-            An angle given twice is a break: its first entry is the limit from the left, its second from
-            the right; different values make a jump, equal values with different slopes a kink. An end
-            point whose value is not F(θ_0) + 2π·degree makes a break at θ_0.
+        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point. An angle given
+            twice is a break: first its limit from the left, then from the right; different values make a jump, equal
+            values with different slopes a kink. An end point whose value is not F(θ_0) + 2π·degree makes a break at
+            θ_0.
         lifted : shape (n,), radians, not wrapped.
-        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland
-            1984): monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²) to O(h³) without.
+        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland 1984):
+            monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²) to O(h³) without.
 
         >>> import numpy as np
         >>> x = np.linspace(0, 2 * np.pi, 200, endpoint=False)
@@ -318,13 +321,7 @@ class CircleMap:
 
     @classmethod
     def from_pieces(cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0) -> CircleMap:
-        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record.
-
-        >>> import numpy as np
-        >>> one = CircleMap.from_samples([0.0, 2.0, 4.0], [0.0, 2.0, 4.0])
-        >>> CircleMap.from_pieces(one.pieces, one.breaks, 3).samples
-        3
-        """
+        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record."""
         made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
         made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
         return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
@@ -333,31 +330,6 @@ class CircleMap:
 def _remade(recipe: Recipe) -> CircleMap:
     maker, arguments, options = recipe
     return maker(*arguments, **options)
-
-
-def _require_picklable(part: Any) -> None:
-    try:
-        pickle.dumps(part)
-    except Exception as cause:
-        raise InvalidInput(
-            f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def at the top "
-            "of a module (or sample it: CircleMap.from_samples)"
-        ) from cause
-
-
-def _blaschke_zeros(zeros: Any) -> tuple[complex, ...]:
-    """The zeros of a finite Blaschke product, checked: one or more complex numbers with |a| < 1."""
-    try:
-        given = np.asarray(zeros, dtype=np.complex128)
-    except (TypeError, ValueError) as cause:
-        raise InvalidInput(f"zeros must hold complex numbers only, not {zeros!r}") from cause
-    if given.ndim != 1 or given.size == 0:
-        raise InvalidInput(f"zeros has shape {given.shape}: give a list of one complex number or more")
-    outside = ~(np.abs(given) < 1.0)
-    if np.any(outside):
-        entry = int(np.argmax(outside))
-        raise InvalidInput(f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit circle, |a| < 1")
-    return tuple(complex(a) for a in given)
 
 
 def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lift, Scalar]:

@@ -138,8 +138,25 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
     with np.errstate(all="ignore"):
         values = checked_call("lift", lift, points)
         slopes = values[:0] if derivative is None else checked_call("derivative", derivative, points[:12])
-        _check_turn(points, values, slopes, degree)
-        _check_entry_by_entry(lift, points, values, slopes)
+        climb = values[12:24] - values[:12]
+        gap = np.abs(climb - TWO_PI * degree)
+        if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
+            worst, turns = int(np.argmax(gap)), np.round(climb / TWO_PI)
+            fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
+            hint = f"that is degree {turns[0]:.0f}, if it is not wrapped" if fits else "give a lift that is not wrapped"
+            raise InvalidInput(
+                f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
+                f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
+            )
+        # The same angles in another shape and company must give the same values.
+        again = checked_call("lift", lift, points[:6].reshape(2, 3)).ravel()
+        gap = np.abs(again - values[:6])
+        if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
+            worst = int(np.argmax(gap))
+            raise InvalidInput(
+                f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = {points[worst]:.6g}, "
+                "depending on the other entries: it must act entry by entry"
+            )
         if breaks.size:
             checked_call("lift", lambda theta: beside(lift, theta, -1, degree), breaks)
             checked_call("lift", lambda theta: beside(lift, theta, 1, degree), breaks)
@@ -183,21 +200,18 @@ def checked_call(name: str, function: Lift, points: Array) -> Array:
 def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
     """Name the first angle at which the callable fails by itself; if it fails at none it is not vectorised."""
     for theta in np.ravel(points):
-        kinds = [_raised(function, one) for one in (np.asarray(theta), np.array([theta]))]
-        if all(kinds):
-            return f"the {name} fails at θ = {theta:.9g} ({kinds[0]}): it must be defined everywhere"
+        raised = []
+        for one in (np.asarray(theta), np.array([theta])):
+            try:
+                function(one)
+            except Exception as error:
+                raised.append(f"{type(error).__name__}: {error}")
+        if len(raised) == 2:
+            return f"the {name} fails at θ = {theta:.9g} ({raised[0]}): it must be defined everywhere"
     return (
         f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised; "
         "build it of numpy functions, or wrap it in np.vectorize"
     )
-
-
-def _raised(function: Lift, theta: Array) -> str:
-    try:
-        function(theta)
-    except Exception as cause:
-        return f"{type(cause).__name__}: {cause}"
-    return ""
 
 
 def guarded(name: str, function: Lift, finite: bool) -> Lift:
@@ -227,32 +241,6 @@ def _allowance(values: Array, slopes: Array) -> float:
     """What rounding may do: steep maps, such as high iterates, magnify the rounding of θ + 2π."""
     steepest = float(np.max(np.abs(slopes))) if slopes.size else 0.0
     return _TOLERANCE * (1.0 + float(np.max(np.abs(values)))) + 1e-13 * steepest
-
-
-def _check_turn(points: Array, values: Array, slopes: Array, degree: int) -> None:
-    climb = values[12:24] - values[:12]
-    gap = np.abs(climb - TWO_PI * degree)
-    if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
-        worst = int(np.argmax(gap))
-        turns = np.round(climb / TWO_PI)
-        fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
-        hint = f"that is degree {turns[0]:.0f}, if it is not wrapped" if fits else "give a lift that is not wrapped"
-        raise InvalidInput(
-            f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
-            f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
-        )
-
-
-def _check_entry_by_entry(lift: Lift, points: Array, values: Array, slopes: Array) -> None:
-    """The same angles in another shape and company must give the same values."""
-    again = checked_call("lift", lift, points[:6].reshape(2, 3)).ravel()
-    gap = np.abs(again - values[:6])
-    if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
-        worst = int(np.argmax(gap))
-        raise InvalidInput(
-            f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = {points[worst]:.6g}, "
-            "depending on the other entries: it must act entry by entry"
-        )
 
 
 def _refuse_hidden_jump(lift: Lift, derivative: Lift | None, breaks: Array, points: Array, steps: Array) -> None:

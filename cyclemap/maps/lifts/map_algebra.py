@@ -10,7 +10,7 @@ from math import floor
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import SAME_ANGLE
@@ -43,64 +43,17 @@ class InverseLift:
         with np.errstate(divide="ignore"):
             return np.where(high > low, 1.0 / slope, 0.0)
 
-    def scalar(self) -> Scalar:
-        """The same lift for one python float."""
-        one, degree = self.table.inverse_of_one_float(), self.degree
-
-        def lift(value: float) -> float:
-            turns = value // TWO_PI
-            return one(value - TWO_PI * turns) + TWO_PI * degree * turns
-
-        return lift
-
-
-def inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
-    """The inverse of a map whose branches all run in the direction of its degree, jumps and plateaus included."""
-    degree = circle_map.degree
-    theta = np.concatenate([part.table.theta for part in parts])
-    value = np.concatenate([part.table.value for part in parts])
-    ends = np.concatenate([_at_ends(part) for part in parts])
-    bent = ends | (distance_to_break(circle_map.breaks, theta) <= SNAP)
-    base = base_angles(value)
-    moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
-    order = np.lexsort((degree * moved, base))
-    table = _around(circle_map, moved[order], base[order])
-    breaks = np.unique(base[bent])
-    return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
-
-
-def _at_ends(part: Branch) -> Mask:
-    """Marks the ends of a plateau among its nodes."""
-    marks = np.zeros(part.table.theta.size, dtype=bool)
-    marks[[0, -1]] = part.direction == 0
-    return marks
-
-
-def _around(circle_map: CircleMap, theta: Array, value: Array) -> MonotoneTable:
-    """The table carried on by one node below 0 and one above 2π, in the order of θ."""
-    degree = circle_map.degree
-    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])
-    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])
-    theta, value = theta[::degree], value[::degree]
-    theta = np.maximum.accumulate(theta)
-    # The two sides of a jump, a turn apart, are one angle however they were rounded.
-    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
-    theta = theta[apart][np.cumsum(apart) - 1]
-    return MonotoneTable(theta, value, degree, circle_map)
-
 
 @dataclass(frozen=True, eq=False)
 class Stage:
     """One map of the chain and, for each piece of the composite, where its argument stays.
 
-    ``turns``, ``low``, ``high`` have shape (pieces,): on piece p the argument less 2π·turns[p] lies in
+    guard : (turns, low, high), each of shape (pieces,): on piece p the argument less 2π·turns[p] lies in
     [low[p], high[p]], between two breaks of the map; None for a map without breaks, or the first.
     """
 
     map: CircleMap
-    turns: Array | None = None
-    low: Array | None = None
-    high: Array | None = None
+    guard: tuple[Array, Array, Array] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,10 +81,9 @@ class CompositeLift:
         product = np.ones_like(angle)
         piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
         for place, stage in enumerate(self.stages):
-            if stage.turns is not None:
-                whole = stage.turns[piece]
-                angle = np.clip(angle - TWO_PI * whole, stage.low[piece], stage.high[piece])  # type: ignore[index]
-                turns = turns + whole
+            if stage.guard is not None:
+                whole, low, high = (column[piece] for column in stage.guard)
+                angle, turns = np.clip(angle - TWO_PI * whole, low, high), turns + whole
             elif place > 0:
                 whole = np.floor(angle / TWO_PI)
                 angle, turns = angle - TWO_PI * whole, turns + whole
@@ -143,7 +95,14 @@ class CompositeLift:
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
         breaks: list[float] = self.breaks.tolist()
-        rows = [(stage.map.scalar(), stage.map.degree, _guards(stage)) for stage in self.stages]
+        rows = [
+            (
+                stage.map.scalar(),
+                stage.map.degree,
+                list(zip(*(column.tolist() for column in stage.guard or ()), strict=True)),
+            )
+            for stage in self.stages
+        ]
 
         def lift(theta: float) -> float:
             turns = floor(theta / TWO_PI)
@@ -162,38 +121,6 @@ class CompositeLift:
         return lift
 
 
-def composite_lift(maps: list[CircleMap], breaks: Array) -> CompositeLift:
-    """The chain of ``maps``, the first applied first; ``breaks`` are all the breaks of the composite, [0, 2π)."""
-    stages = [Stage(maps[0])]
-    if breaks.size:
-        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-        angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
-    for circle_map in maps[1:]:
-        if circle_map.breaks.size == 0:
-            stages.append(Stage(circle_map))
-        else:
-            stages.append(_guarded(circle_map, angle))
-        if breaks.size:
-            angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
-    return CompositeLift(tuple(stages), breaks)
-
-
-def _guarded(circle_map: CircleMap, angle: Array) -> Stage:
-    """The stage whose argument lies, piece by piece, between the breaks on both sides of ``angle``."""
-    turns = np.floor(angle / TWO_PI)
-    breaks = circle_map.breaks
-    around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-    above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
-    margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
-    return Stage(circle_map, turns, around[above - 1] + margin, around[above] - margin)
-
-
-def _guards(stage: Stage) -> list[tuple[int, float, float]]:
-    if stage.turns is None or stage.low is None or stage.high is None:
-        return []
-    return list(zip(stage.turns.astype(int).tolist(), stage.low.tolist(), stage.high.tolist(), strict=True))
-
-
 MAX_BREAKS = 250_000
 _SAME = 8.0 * INSET  # radians: breaks nearer than this are one
 _GRID = TWO_PI * np.arange(2048.0) / 2048.0
@@ -203,9 +130,8 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     """θ → outer(inner(θ)); its degree is the product of the two degrees.
 
     Breaks: those of ``inner`` and the preimages under it of those of ``outer``, on each side of which the composite
-    keeps to its own side of the outer break. Derivative by the chain rule. ``max_error`` is E_outer + L·E_inner
-    with L the largest |outer'| at 2,048 angles: measured, and good where ``outer`` has no jump within E_inner.
-    Samples are not kept: ``pieces`` is None.
+    keeps to its own side of the outer break. ``max_error`` is E_outer + L·E_inner with L the largest |outer'| at 2,048
+    angles: measured, and good where ``outer`` has no jump within E_inner. Samples are not kept: ``pieces`` is None.
 
     Raises ConvergenceError when the composite has more than 250,000 breaks.
 
@@ -277,11 +203,10 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
 def inverse(circle_map: CircleMap) -> CircleMap:
     """F⁻¹ of a monotone map of degree 1 or -1, continuous from the right; its derivative 1/F'(F⁻¹).
 
-    Homeomorphisms, rising or falling, are inverted to rounding. Where F jumps its inverse is constant, along the
-    whole gap; where F is constant its inverse jumps. So F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y for
-    every y that F takes. Breaks: the images of the breaks, both sides of a jump, and the levels of plateaus. The
-    derivative is inf where F' = 0 at one point. ``max_error`` is the most that F⁻¹ moves when y moves by the
-    ``max_error`` of F, measured at 2,048 angles and the breaks.
+    Homeomorphisms are inverted to rounding. Where F jumps its inverse is constant, along the whole gap; where F is
+    constant its inverse jumps: F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y for every y that F takes. Breaks: the
+    images of the breaks, both sides of a jump, and the levels of plateaus. The derivative is inf where F' = 0.
+    ``max_error`` is the most that F⁻¹ moves when y moves by that of F, measured at 2,048 angles and the breaks.
 
     Raises InvalidInput for other degrees, and when F folds or jumps backwards: use ``branches`` then.
 
@@ -289,25 +214,67 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True
     """
-    if circle_map.degree not in (1, -1):
+    degree, error = circle_map.degree, circle_map.max_error
+    if degree not in (1, -1):
         raise InvalidInput(
-            f"the map has degree {circle_map.degree}: only degree 1 or -1 has an inverse; preimages gives all of them"
+            f"the map has degree {degree}: only degree 1 or -1 has an inverse; preimages gives all of them"
         )
-    parts = branches(circle_map)
-    _refuse_folds(circle_map, parts)
-    lift = inverse_lift(circle_map, parts)
-    return CircleMap.with_scalar(
-        lift,
-        lift.derivative,
-        lift.scalar(),
-        breaks=lift.breaks,
-        degree=lift.degree,
-        max_error=_movement(lift, circle_map.max_error),
-    ).remade_by(inverse, circle_map)
+    parts, hint = branches(circle_map), "it has no inverse; branches inverts each monotone piece"
+    for i, part in enumerate(parts):
+        if part.direction == -degree:
+            raise InvalidInput(f"F turns back on [{part.start:.9g}, {part.end:.9g}]: {hint}")
+        after, lap = parts[(i + 1) % len(parts)], (i + 1) // len(parts)
+        jump = after.start_value + TWO_PI * degree * lap - part.end_value
+        if degree * jump < -JUMP:
+            raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
+    lift = _inverse_lift(circle_map, parts)
+    values = np.concatenate([_GRID, lift.breaks])
+    moved = float(np.max(np.abs(lift(values + error) - lift(values - error)))) if error else 0.0
+    made = CircleMap(lift, lift.derivative, lift.breaks, degree, max_error=moved)
+    return made.remade_by(inverse, circle_map)
+
+
+def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
+    degree = circle_map.degree
+    theta = np.concatenate([part.table.theta for part in parts])
+    value = np.concatenate([part.table.value for part in parts])
+    bent = distance_to_break(circle_map.breaks, theta) <= SNAP
+    for part, beyond in zip(parts, np.cumsum([part.table.theta.size for part in parts]), strict=True):
+        if part.direction == 0:  # both ends of a plateau
+            bent[[beyond - part.table.theta.size, beyond - 1]] = True
+    base = base_angles(value)
+    breaks = np.unique(base[bent])
+    moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
+    order = np.lexsort((degree * moved, base))
+    theta, value = moved[order], base[order]
+    # Carried on by one node below 0 and one above 2π, in the order of θ.
+    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])[::degree]
+    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[::degree]
+    theta = np.maximum.accumulate(theta)
+    # The two sides of a jump, a turn apart, are one angle however they were rounded.
+    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
+    table = MonotoneTable(theta[apart][np.cumsum(apart) - 1], value, degree, circle_map)
+    return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
 
 
 def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> CircleMap:
-    lift = composite_lift(maps, breaks)
+    """The chain of ``maps``, the first applied first; ``breaks`` are all its breaks, in [0, 2π)."""
+    stages = [Stage(maps[0])]
+    if breaks.size:
+        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
+    for circle_map in maps[1:]:
+        own = circle_map.breaks
+        if own.size == 0:
+            stages.append(Stage(circle_map))
+        else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
+            turns, around = np.floor(angle / TWO_PI), np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI])
+            above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
+            margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
+            stages.append(Stage(circle_map, (turns, around[above - 1] + margin, around[above] - margin)))
+        if breaks.size:
+            angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
+    lift = CompositeLift(tuple(stages), breaks)
     degree = math.prod(circle_map.degree for circle_map in maps)
     return CircleMap.with_scalar(
         lift, lift.derivative, lift.scalar(), breaks=breaks, degree=degree, max_error=max_error
@@ -335,28 +302,3 @@ def _error_after(outer: CircleMap, error: float) -> float:
     sides = [outer.derivative(_GRID), outer.left_derivative(outer.breaks), outer.right_derivative(outer.breaks)]
     steepest = float(np.max(np.abs(np.concatenate(sides))))
     return min(outer.max_error + steepest * error, sys.float_info.max)
-
-
-def _movement(lift: InverseLift, error: float) -> float:
-    """The most that the inverse moves between y - error and y + error."""
-    if error == 0.0:
-        return 0.0
-    values = np.concatenate([_GRID, lift.breaks])
-    return float(np.max(np.abs(lift(values + error) - lift(values - error))))
-
-
-def _refuse_folds(circle_map: CircleMap, parts: tuple[Branch, ...]) -> None:
-    degree = circle_map.degree
-    for i, part in enumerate(parts):
-        if part.direction == -degree:
-            raise InvalidInput(
-                f"F turns back on [{part.start:.9g}, {part.end:.9g}]: it has no inverse; "
-                "branches inverts each monotone piece"
-            )
-        after, lap = parts[(i + 1) % len(parts)], (i + 1) // len(parts)
-        jump = after.start_value + TWO_PI * degree * lap - part.end_value
-        if degree * jump < -JUMP:
-            raise InvalidInput(
-                f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: it has no inverse; "
-                "branches inverts each monotone piece"
-            )

@@ -83,30 +83,20 @@ class PiecewiseCubic:
         return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
 
 
-@dataclass(frozen=True, eq=False)
-class _Samples:
-    """Checked samples over one period, end point included: a repeated theta holds its left entry first."""
-
-    theta: Array
-    lifted: Array
-    slopes: Array | None
-    closed: bool  # the end point is the same smooth point as the first
-
-
 def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tuple[PiecewiseCubic, Array, int]:
     """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample points."""
     given = np.size(theta)
-    samples = _one_period(*_checked(theta, lifted, slopes), degree)
-    nodal = _shape_preserving(samples, degree) if samples.slopes is None else samples.slopes
-    use = np.diff(samples.theta) > 0.0
-    width, rise = np.diff(samples.theta)[use], np.diff(samples.lifted)[use]
-    left, slope_left, slope_right = samples.lifted[:-1][use], nodal[:-1][use], nodal[1:][use]
+    (angle, value, tangent), closed = _one_period(*_checked(theta, lifted, slopes), degree)
+    nodal = _shape_preserving(angle, value, closed, degree) if slopes is None else tangent
+    use = np.diff(angle) > 0.0
+    width, rise = np.diff(angle)[use], np.diff(value)[use]
+    left, slope_left, slope_right = value[:-1][use], nodal[:-1][use], nodal[1:][use]
     secant = rise / width
     c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
     c3 = (slope_left + slope_right - 2.0 * secant) / width**2
-    pieces = _onto_base_period(samples.theta[:-1][use], np.stack([left, slope_left, c2, c3]), degree)
-    inner = samples.theta[1:][~use]
-    breaks = inner if samples.closed else np.append(inner, samples.theta[0])
+    pieces = _onto_base_period(angle[:-1][use], np.stack([left, slope_left, c2, c3]), degree)
+    inner = angle[1:][~use]
+    breaks = inner if closed else np.append(inner, angle[0])
     return pieces, np.unique(base_angles(breaks)), given
 
 
@@ -128,8 +118,11 @@ def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array 
     return angles, values, given
 
 
-def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int) -> _Samples:
-    """Make the list run from the right side of its first angle to the left side of that angle plus 2π."""
+def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int) -> tuple[Array, bool]:
+    """(3, m): angles, values and slopes from the right side of the first angle to the left side of it plus 2π.
+
+    An angle given twice holds its left entry first. True if the end point is the same smooth point as the first.
+    """
     tangents = np.zeros_like(angles) if slopes is None else slopes
     table = np.stack([angles, values, tangents])
     climb = np.array([TWO_PI, TWO_PI * degree, 0.0])
@@ -137,30 +130,26 @@ def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int)
         end, last = table[:, 0] + climb, table[:, -1]
         if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
             raise InvalidInput(f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}")
-        table = _without_end(table[:, 1:])
+        table = table[:, 1:]
     elif angles[-1] - angles[0] > TWO_PI - 1e-9:
         if angles[-2] == angles[-1]:
             table = table[:, :-1]
-        end, table = table[:, -1], _without_end(table)
+        end = table[:, -1]
     else:
         end = table[:, 0] + climb
+    if angles[1] == angles[0] or angles[-1] - angles[0] > TWO_PI - 1e-9:
+        table = table[:, table[0] < table[0, 0] + TWO_PI - 1e-9]
     end[0] = table[0, 0] + TWO_PI
     gap = np.abs(end - table[:, 0] - climb)
     smooth = bool(gap[1] <= 1e-12 * (1.0 + abs(end[1])) and (slopes is None or gap[2] <= 1e-9))
     closed = smooth and angles[1] != angles[0]
-    table = np.column_stack([table, end])
-    return _Samples(table[0], table[1], None if slopes is None else table[2], closed)
+    return np.column_stack([table, end]), closed
 
 
-def _without_end(table: Array) -> Array:
-    return table[:, table[0] < table[0, 0] + TWO_PI - 1e-9]
-
-
-def _shape_preserving(samples: _Samples, degree: int) -> Array:
+def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) -> Array:
     """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between breaks."""
-    theta, lifted = samples.theta, samples.lifted
     cuts = np.flatnonzero(np.diff(theta) == 0.0) + 1
-    if samples.closed and cuts.size == 0:
+    if closed and cuts.size == 0:
         reach = min(3, theta.size - 1)
         x = np.concatenate([theta[-1 - reach : -1] - TWO_PI, theta, theta[1 : 1 + reach] + TWO_PI])
         shift = TWO_PI * degree
@@ -168,7 +157,7 @@ def _shape_preserving(samples: _Samples, degree: int) -> Array:
         return _pchip_slopes(x, y)[reach : reach + theta.size]
     branches = list(np.split(np.arange(theta.size), cuts))
     slopes = np.concatenate([_pchip_slopes(theta[part], lifted[part]) for part in branches])
-    if samples.closed:
+    if closed:
         # The branch that runs through the end point is one branch: its slopes come from both parts together.
         last, first = branches[-1], branches[0]
         x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
@@ -254,8 +243,8 @@ class BranchedLift:
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
         starts, climb = self.starts.tolist(), TWO_PI * self.degree
-        rows: list[tuple[Scalar, float, float, float, float]] = [
-            (_for_one_float(piece), TWO_PI * shift, piece.start, piece.end, climb * shift)
+        rows: list[tuple[Lift, float, float, float, float]] = [
+            (piece.lift, TWO_PI * shift, piece.start, piece.end, climb * shift)
             for piece, shift in zip(self.pieces, self.shift.tolist(), strict=True)
         ]
 
@@ -263,7 +252,7 @@ class BranchedLift:
             turns = floor(theta / TWO_PI)
             base = theta - TWO_PI * turns
             one, ahead, start, end, risen = rows[bisect_right(starts, base) - 1]
-            return one(min(max(base + ahead, start), end)) + climb * turns - risen
+            return float(one(np.asarray(min(max(base + ahead, start), end)))) + climb * turns - risen
 
         return lift
 
@@ -271,9 +260,26 @@ class BranchedLift:
 def lift_from_branches(branches: list[Any], degree: int) -> tuple[BranchedLift, Array]:
     """The lift on all branches, checked, and its breaks in [0, 2π): the seams where value or slope differ."""
     pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
-    _check_cover(pieces)
-    seams = base_angles(np.array([piece.start for piece in pieces]))
-    return _onto_one_turn(pieces, seams, degree), seams[_differing(pieces, degree)]
+    for i in range(1, len(pieces)):
+        gap = pieces[i].start - pieces[i - 1].end
+        if abs(gap) > SNAP:
+            kind = "a gap" if gap > 0.0 else "an overlap"
+            raise InvalidInput(
+                f"branch {i} starts at {pieces[i].start:.12g} but branch {i - 1} ends at {pieces[i - 1].end:.12g}: "
+                f"{kind} of {abs(gap):.3g}; each branch must start where the one before it ends"
+            )
+    span = pieces[-1].end - pieces[0].start
+    if abs(span - TWO_PI) > 4.0 * SNAP:
+        raise InvalidInput(f"the branches span {span:.12g} radians: together they must cover one turn, 2π")
+    # On [0, 2π) the branch that runs over 2π serves both at its end and at its start.
+    given = np.array([piece.start for piece in pieces])
+    seams = base_angles(given)
+    order = np.argsort(seams, kind="stable")
+    starts, shift, placed = seams[order], np.round((given - seams) / TWO_PI)[order], tuple(pieces[i] for i in order)
+    if starts[0] > 0.0:
+        starts, shift = np.append(0.0, starts), np.append(shift[-1] + 1.0, shift)
+        placed = (placed[-1], *placed)
+    return BranchedLift(starts, placed, shift, degree), seams[_differing(pieces, degree)]
 
 
 def listed_branches(branches: Any) -> list[Any]:
@@ -309,20 +315,6 @@ def _piece(index: int, branch: Any) -> Piece:
     return piece
 
 
-def _check_cover(pieces: tuple[Piece, ...]) -> None:
-    for i in range(1, len(pieces)):
-        gap = pieces[i].start - pieces[i - 1].end
-        if abs(gap) > SNAP:
-            kind = "a gap" if gap > 0.0 else "an overlap"
-            raise InvalidInput(
-                f"branch {i} starts at {pieces[i].start:.12g} but branch {i - 1} ends at {pieces[i - 1].end:.12g}: "
-                f"{kind} of {abs(gap):.3g}; each branch must start where the one before it ends"
-            )
-    span = pieces[-1].end - pieces[0].start
-    if abs(span - TWO_PI) > 4.0 * SNAP:
-        raise InvalidInput(f"the branches span {span:.12g} radians: together they must cover one turn, 2π")
-
-
 def _differing(pieces: tuple[Piece, ...], degree: int) -> list[bool]:
     """Whether value or slope differ at the start of each branch from those at the end of the one before."""
     places = [np.array([piece.start, piece.end]) for piece in pieces]
@@ -337,28 +329,3 @@ def _differing(pieces: tuple[Piece, ...], degree: int) -> list[bool]:
         kinks = abs(slope_after - slope_before) > allowed * (1.0 + abs(slope_after))
         found.append(bool(jumps or kinks))
     return found
-
-
-def _onto_one_turn(pieces: tuple[Piece, ...], seams: Array, degree: int) -> BranchedLift:
-    """Move the branches to [0, 2π): the one that runs over 2π serves both at its end and at its start."""
-    shift = np.round((np.array([piece.start for piece in pieces]) - seams) / TWO_PI)
-    order = np.argsort(seams, kind="stable")
-    starts, shift = seams[order], shift[order]
-    placed = tuple(pieces[i] for i in order)
-    if starts[0] > 0.0:
-        starts, shift = np.append(0.0, starts), np.append(shift[-1] + 1.0, shift)
-        placed = (placed[-1], *placed)
-    return BranchedLift(starts, placed, shift, degree)
-
-
-def _for_one_float(piece: Piece) -> Scalar:
-    """The branch for one python float: called with it directly where that gives the same values, else by array."""
-    lift: Any = piece.lift
-    probes = [piece.start, 0.5 * (piece.start + piece.end), piece.end]
-    try:
-        plain = [lift(x) for x in probes]
-        if all(isinstance(y, float) for y in plain) and plain == [float(lift(np.asarray(x))) for x in probes]:
-            return lambda x: float(lift(x))
-    except (TypeError, ValueError, IndexError, AttributeError):
-        pass
-    return lambda x: float(lift(np.asarray(x)))

@@ -47,19 +47,14 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
         a, fa = x, fx
         answer[index] = np.where(np.abs(fa) < np.abs(fb), a, b)
         reach = _CLOSE * (np.abs(a) + 1e-3) / np.maximum(np.abs(b - a), 1e-300)
-        share = np.clip(_next_share(a, b, c, fa, fb, fc), reach, 1.0 - reach)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
+            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        share = np.clip(np.where(trusted & np.isfinite(share), share, 0.5), reach, 1.0 - reach)
         go = (reach < 0.5) & (fa != 0.0)
         index, a, b, fa, fb, share = index[go], a[go], b[go], fa[go], fb[go], share[go]
     return answer
-
-
-def _next_share(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -> Array:
-    """Where in [a, b] to look next: by inverse quadratic interpolation where it can be trusted, else the middle."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-        trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-        share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
-    return np.where(trusted & np.isfinite(share), share, 0.5)
 
 
 INSET = 1e-12  # radians: how far beside a break of an iterate its one-sided values are read
@@ -124,15 +119,11 @@ def taken(cells: Cells, index: Mask | Whole) -> Cells:
     return replace(cells, **{name: getattr(cells, name)[index] for name in _ARRAYS})
 
 
-def in_order(parts: list[Cells]) -> Cells:
-    """All the cells, sorted by start."""
+def joined(parts: list[Cells]) -> Cells:
+    """All the cells, sorted by start; both sides of every smooth node get the very same value, so no root is lost."""
     arrays: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
     order = np.argsort(arrays["start"])
-    return replace(parts[0], **{name: array[order] for name, array in arrays.items()})
-
-
-def joined(cells: Cells) -> Cells:
-    """Give both sides of every smooth node the very same value, so that no root is lost or doubled."""
+    cells = replace(parts[0], **{name: array[order] for name, array in arrays.items()})
     g_end = np.where(np.roll(cells.cut, -1), cells.g_end, np.roll(cells.g_start, -1))
     if not cells.cut[0]:
         g_end[-1] = cells.g_start[0] + cells.climb
@@ -166,9 +157,6 @@ _LEVELS_AT_ONCE = 2_048
 _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
 
 
-# -- cells -------------------------------------------------------------------------------------------------
-
-
 def monotone_cells(
     circle_map: CircleMap, period: int, shift: float, resolution: int, marks: Sequence[float] = ()
 ) -> Cells:
@@ -196,7 +184,7 @@ def monotone_cells(
             break
         owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
         if owner.size == 0:
-            found = joined(in_order(done))
+            found = joined(done)
             width, rise = found.end - found.start, np.abs(found.g_end - found.g_start)
             steepest = np.maximum(np.abs(found.slope_start), np.abs(found.slope_end))
             jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
@@ -214,6 +202,26 @@ def monotone_cells(
     raise ConvergenceError(
         f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all near θ = "
         f"{cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the break that is missing there"
+    )
+
+
+def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
+    turning = np.flatnonzero(cells.slope_start * cells.slope_end < 0.0)
+    if turning.size == 0:
+        return cells
+    start, end = (ends[turning] for ends in cells.inner())
+    theta = bracketed_root(lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, start, end)
+    g, after = iterate(circle_map, theta, cells.period) - cells.shift * theta, turning + 1
+    flat = np.zeros_like(g)
+    return replace(
+        cells,
+        start=np.insert(cells.start, after, theta),
+        end=np.insert(cells.end, turning, theta),
+        g_start=np.insert(cells.g_start, after, g),
+        g_end=np.insert(cells.g_end, turning, g),
+        slope_start=np.insert(cells.slope_start, after, flat),
+        slope_end=np.insert(cells.slope_end, turning, flat),
+        cut=np.insert(cells.cut, after, False),
     )
 
 
@@ -313,34 +321,6 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
         least = a - bend * vertex * vertex
     turns_twice = (a * b > 0.0) & (vertex > 0.0) & (vertex < 1.0) & (least * a < 0.0) & (np.abs(least) > nothing)
     return np.asarray((misfit > _MISFIT * steepest + nothing) | turns_twice)
-
-
-def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
-    turning = np.flatnonzero(cells.slope_start * cells.slope_end < 0.0)
-    if turning.size == 0:
-        return cells
-    inner_start, inner_end = cells.inner()
-    theta = bracketed_root(
-        lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, inner_start[turning], inner_end[turning]
-    )
-    g = iterate(circle_map, theta, cells.period) - cells.shift * theta
-    flat = np.zeros_like(g)
-    after = turning + 1
-    return Cells(
-        np.insert(cells.start, after, theta),
-        np.insert(cells.end, turning, theta),
-        np.insert(cells.g_start, after, g),
-        np.insert(cells.g_end, turning, g),
-        np.insert(cells.slope_start, after, flat),
-        np.insert(cells.slope_end, turning, flat),
-        np.insert(cells.cut, after, False),
-        cells.period,
-        cells.shift,
-        cells.degree,
-    )
-
-
-# -- roots -------------------------------------------------------------------------------------------------
 
 
 def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:

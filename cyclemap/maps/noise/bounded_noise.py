@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,8 @@ from cyclemap.maps.noise.noise import folded, reduced
 class UniformNoise:
     """Noise uniform on [-h, h] on the real line, h = ``halfwidth`` radians, any h > 0: κ_m = sin(mh)/(mh).
 
-    Wrapped round the circle it overlaps itself where h > π. Its density jumps, so it has no slope, and no
-    derivative in h, as a function: ``slope``, ``rate``, ``line_slope`` and ``line_rate`` raise InvalidInput;
-    probabilities and coefficients have their rates. The sum of |κ_m| diverges: ``tail`` is inf.
+    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` and ``line_slope`` raise
+    InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf.
     Raises InvalidInput unless the halfwidth is above zero.
 
     >>> round(float(UniformNoise(0.5).exceedance(0.25)), 12)
@@ -44,13 +43,6 @@ class UniformNoise:
         """κ_m = sin(mh)/(mh)."""
         return np.asarray(np.sinc(np.asarray(m, dtype=np.float64) * (self.halfwidth / np.pi)))
 
-    def coefficient_rates(self, m: Any) -> Array:
-        """dκ_m/dh = -m j₁(mh), j₁ the spherical Bessel function."""
-        from scipy.special import spherical_jn  # slow to import, and seldom asked for
-
-        order = np.abs(np.asarray(m, dtype=np.float64))
-        return np.asarray(-order * spherical_jn(1, order * self.halfwidth))
-
     def tail(self, m: int) -> float:
         """Infinite: |κ_k| falls like 1/k, and its sum diverges."""
         return float("inf")
@@ -69,51 +61,24 @@ class UniformNoise:
 
     def slope(self, x: Any) -> Array:
         """Refused: InvalidInput."""
-        self._no_function("slope")
+        raise InvalidInput(f"uniform noise has no density slope: its density jumps at ±{self.halfwidth:g}")
 
-    def rate(self, x: Any) -> Array:
-        """Refused: InvalidInput."""
-        self._no_function("rate")
-
-    line_slope, line_rate = slope, rate
-
-    def _no_function(self, what: str) -> NoReturn:
-        raise InvalidInput(
-            f"uniform noise has no density {what}: its density jumps at ±{self.halfwidth:g}; "
-            "use exceedance, arc_probability and their rates"
-        )
+    line_slope = slope
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
         above = self.halfwidth - np.asarray(x, dtype=np.float64)
         return np.asarray(np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0))
 
-    def exceedance_rate(self, x: Any) -> Array:
-        """d/dh P(ξ > x) = x/2h² inside [-h, h], else 0."""
-        distance = np.asarray(x, dtype=np.float64)
-        return np.asarray(np.where(np.abs(distance) < self.halfwidth, distance, 0.0) / (2.0 * self.halfwidth**2))
-
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high): the length of the arc's images in [-h, h], over 2h."""
-        total = 0.0
-        for start, end in self._images(low, high):
-            total = total + np.maximum(np.minimum(end, self.halfwidth) - np.maximum(start, -self.halfwidth), 0.0)
-        return np.asarray(total / (2.0 * self.halfwidth))
-
-    def arc_probability_rate(self, low: Any, high: Any) -> Array:
-        """d/dh of ``arc_probability``: from the ends ±h that lie in the arc's images (its ends left out)."""
-        edges: Any = 0.0
-        for start, end in self._images(low, high):
-            edges = edges + sum((start < edge) & (edge < end) for edge in (-self.halfwidth, self.halfwidth))
-        return np.asarray((0.5 * edges - self.arc_probability(low, high)) / self.halfwidth)
-
-    def _images(self, low: Any, high: Any) -> list[tuple[Array, Array]]:
-        """The arc and its shifts by whole turns that may meet [-h, h]."""
-        given = np.asarray(low, dtype=np.float64)
-        start = reduced(given)
-        end = start + (high - given)
+        start = reduced(low)
+        end, total = start + (high - np.asarray(low, dtype=np.float64)), 0.0
         reach = int(np.ceil(self.halfwidth / TWO_PI)) + 1
-        return [(start + TWO_PI * k, end + TWO_PI * k) for k in range(-reach, reach + 1)]
+        for turn in TWO_PI * np.arange(-reach, reach + 1):
+            inside = np.minimum(end + turn, self.halfwidth) - np.maximum(start + turn, -self.halfwidth)
+            total = total + np.maximum(inside, 0.0)
+        return np.asarray(total / (2.0 * self.halfwidth))
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Uniform draws, radians, not wrapped."""
@@ -153,8 +118,6 @@ class VonMises:
         """∫ x² density dx over [-π, π]."""
         return 2.0 * float(self._half_integral(0.0, np.pi, np.square))
 
-    # -- Fourier coefficients ------------------------------------------------------------------------------
-
     def coefficients(self, m: Any) -> Array:
         """κ_m = I_m(κ)/I₀(κ); beyond κ = 1e8 from Debye's expansion, exp(-(m²/2κ)(1 + 1/2κ) + m⁴/24κ³)."""
         from scipy.special import i0e, ive  # slow to import for those who ask for another noise
@@ -165,29 +128,11 @@ class VonMises:
         share = np.minimum(order, self.kappa) ** 2 / self.kappa
         return np.asarray(np.exp(-0.5 * share * (1.0 + 0.5 / self.kappa) + share**2 / (24.0 * self.kappa)))
 
-    def coefficient_rates(self, m: Any) -> Array:
-        """dκ_m/dκ = -2 E[(cos ξ - A) sin²(mξ/2)], A = E cos ξ: by the trapezoidal rule, good to 1e-15/κ."""
-        order = np.abs(np.asarray(m, dtype=np.float64))
-        last = 8
-        while self.tail(last) > 1e-22:
-            last = int(1.2 * last) + 1
-        kept = np.minimum(order, last)
-        half_turn = last + 2  # steps in half a turn: waves that fold back have orders beyond ``last``
-        step = np.pi / half_turn
-        count = min(half_turn, int(np.ceil(2.0 * self._falls_to(0.0) / step)))
-        x = step * np.arange(1, count + 1)
-        mass = step * self.density(x) * np.where(np.arange(1, count + 1) < half_turn, 2.0, 1.0)
-        pull = self._one_minus_mean - 2.0 * np.sin(0.5 * x) ** 2
-        rates = -2.0 * np.sin(0.5 * np.multiply.outer(kept, x)) ** 2 @ (mass * pull)
-        return np.asarray(np.where(order > last, 0.0, rates))
-
     def tail(self, m: int) -> float:
         """A bound on the sum over k > m of κ_k: the ratios κ_{k+1}/κ_k fall (Amos 1974), so a geometric sum."""
         middle = m + 0.5
         ratio_gap = np.hypot(self.kappa, middle) + middle - self.kappa
         return float(self.coefficients(m) * self.kappa / ratio_gap)
-
-    # -- densities -----------------------------------------------------------------------------------------
 
     def density(self, x: Any) -> Array:
         """Density on the circle, per radian."""
@@ -200,10 +145,6 @@ class VonMises:
         """d/dx of ``density``: -κ sin x times it."""
         return np.asarray(-self.kappa * np.sin(x) * self.density(x))
 
-    def rate(self, x: Any) -> Array:
-        """d/dκ of ``density``: cos x - A times it, A = I₁(κ)/I₀(κ)."""
-        return self._pull(np.asarray(x, dtype=np.float64)) * self.density(x)
-
     def line_density(self, x: Any) -> Array:
         """The density on [-π, π], else 0, per radian."""
         return np.asarray(np.where(np.abs(x) <= np.pi, self.density(np.clip(x, -np.pi, np.pi)), 0.0))
@@ -212,44 +153,18 @@ class VonMises:
         """d/dx of ``line_density`` inside (-π, π), else 0."""
         return np.asarray(np.where(np.abs(x) <= np.pi, self.slope(x), 0.0))
 
-    def line_rate(self, x: Any) -> Array:
-        """d/dκ of ``line_density``."""
-        return np.asarray(np.where(np.abs(x) <= np.pi, self.rate(x), 0.0))
-
-    def _pull(self, x: Array) -> Array:
-        return np.asarray(self._one_minus_mean - 2.0 * np.sin(0.5 * x) ** 2)
-
-    @property
-    def _one_minus_mean(self) -> float:
-        """1 - I₁(κ)/I₀(κ), without the difference."""
-        return 4.0 * float(self._half_integral(0.0, np.pi, lambda x: np.sin(0.5 * x) ** 2))
-
-    # -- probabilities -------------------------------------------------------------------------------------
-
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
         at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
         return np.asarray(np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail))
 
-    def exceedance_rate(self, x: Any) -> Array:
-        """d/dκ P(ξ > x), odd in x."""
-        at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
-        return np.asarray(np.sign(at) * self._half_integral(np.abs(at), np.pi, self._pull))
-
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high): up to three positive parts of [0, π]."""
-        return self._arc_integral(low, high, np.ones_like)
-
-    def arc_probability_rate(self, low: Any, high: Any) -> Array:
-        """d/dκ of ``arc_probability``."""
-        return self._arc_integral(low, high, self._pull)
-
-    def _arc_integral(self, low: Any, high: Any, factor: Callable[[Array], Array]) -> Array:
         near, beyond = folded(low, high)
-        parts = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi), factor)
-        parts = parts + self._half_integral(0.0, np.minimum(np.maximum(-near, 0.0), np.pi), factor)
-        return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi, factor))
+        parts = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi))
+        parts = parts + self._half_integral(0.0, np.minimum(np.maximum(-near, 0.0), np.pi))
+        return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi))
 
     def _half_integral(self, low: Any, high: Any, factor: Callable[[Array], Array] = np.ones_like) -> Array:
         """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go together."""

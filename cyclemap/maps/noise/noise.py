@@ -18,8 +18,7 @@ from cyclemap.errors import InvalidInput
 class Noise(Protocol):
     """What the rest of the room asks of a noise ξ: symmetric about 0, with a density on the real line.
 
-    A further law is one more class with these methods. Every law has one parameter of its own (``sigma``, ``r``,
-    ``kappa``, ``halfwidth``); a "rate" is a derivative with respect to it.
+    A further law is one more class with these methods.
     """
 
     @property
@@ -28,9 +27,6 @@ class Noise(Protocol):
 
     def coefficients(self, m: Any) -> Array:
         """κ_m = E e^{imξ}, real by symmetry; any whole m, any shape."""
-
-    def coefficient_rates(self, m: Any) -> Array:
-        """dκ_m/d(parameter)."""
 
     def tail(self, m: int) -> float:
         """A bound on the sum of |κ_k| over k > m; inf where the sum diverges."""
@@ -41,29 +37,17 @@ class Noise(Protocol):
     def slope(self, x: Any) -> Array:
         """d/dx of ``density``, per radian²."""
 
-    def rate(self, x: Any) -> Array:
-        """d/d(parameter) of ``density``."""
-
     def line_density(self, x: Any) -> Array:
         """Density on the real line, per radian."""
 
     def line_slope(self, x: Any) -> Array:
         """d/dx of ``line_density``, per radian²."""
 
-    def line_rate(self, x: Any) -> Array:
-        """d/d(parameter) of ``line_density``."""
-
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x) on the real line, to full relative accuracy in the tail."""
 
-    def exceedance_rate(self, x: Any) -> Array:
-        """d/d(parameter) of ``exceedance``."""
-
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high), low < high < low + 2π; small values keep their digits."""
-
-    def arc_probability_rate(self, low: Any, high: Any) -> Array:
-        """d/d(parameter) of ``arc_probability``."""
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Independent draws on the real line, radians."""
@@ -102,11 +86,6 @@ class WrappedNormal:
         order = np.asarray(m, dtype=np.float64)
         return np.asarray(np.exp(-0.5 * (order * self.sigma) ** 2))
 
-    def coefficient_rates(self, m: Any) -> Array:
-        """dκ_m/dσ = -m²σ κ_m."""
-        order = np.asarray(m, dtype=np.float64)
-        return np.asarray(-(order**2) * self.sigma * self.coefficients(order))
-
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, bounded by the integral of exp(-x²σ²/2) from m."""
         return float(np.sqrt(0.5 * np.pi) / self.sigma * math.erfc(m * self.sigma / math.sqrt(2.0)))
@@ -125,12 +104,6 @@ class WrappedNormal:
         waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (_ORDERS * self.coefficients(_ORDERS))
         return np.asarray(-waves / np.pi)
 
-    def rate(self, x: Any) -> Array:
-        """d/dσ of ``density``."""
-        if self.sigma < _WIDE:
-            return self._over_images(self.line_rate, x)
-        return np.asarray(np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficient_rates(_ORDERS) / np.pi)
-
     def line_density(self, x: Any) -> Array:
         """The normal density, per radian."""
         # In place: kernels between thousands of nodes are large, and fresh memory is slower than the arithmetic.
@@ -147,21 +120,11 @@ class WrappedNormal:
         distance = np.asarray(x, dtype=np.float64)
         return np.asarray(-distance / self.sigma**2 * self.line_density(distance))
 
-    def line_rate(self, x: Any) -> Array:
-        """d/dσ of ``line_density``: (x²/σ² - 1)/σ times it."""
-        distance = np.asarray(x, dtype=np.float64)
-        return np.asarray(((distance / self.sigma) ** 2 - 1.0) / self.sigma * self.line_density(distance))
-
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
         from scipy.special import log_ndtr  # slow to import, and seldom asked for
 
         return np.asarray(np.exp(log_ndtr(-np.asarray(x, dtype=np.float64) / self.sigma)))
-
-    def exceedance_rate(self, x: Any) -> Array:
-        """d/dσ P(ξ > x) = x/σ times ``line_density``."""
-        distance = np.asarray(x, dtype=np.float64)
-        return np.asarray(distance / self.sigma * self.line_density(distance))
 
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
@@ -174,23 +137,13 @@ class WrappedNormal:
             total += self.exceedance(shift - beyond) - self.exceedance(shift - near)
         return np.asarray(total)
 
-    def arc_probability_rate(self, low: Any, high: Any) -> Array:
-        """d/dσ of ``arc_probability``."""
-        near, beyond = folded(low, high)
-        if self.sigma < _WIDE:
-            parts = [self._over_images(self.exceedance_rate, end, reduce=False) for end in (near, beyond)]
-            return np.asarray(parts[0] - parts[1])
-        share = self.coefficient_rates(_ORDERS) / (np.pi * _ORDERS)
-        waves = np.sin(np.multiply.outer(beyond, _ORDERS)) - np.sin(np.multiply.outer(near, _ORDERS))
-        return np.asarray(waves @ share)
-
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Normal draws, radians, not wrapped."""
         return np.asarray(rng.normal(0.0, self.sigma, size))
 
-    def _over_images(self, function: Callable[[Array], Array], x: Any, reduce: bool = True) -> Array:
-        """The sum of ``function`` over all x + 2πk near enough to count; x within [-2π, 2π] unless reduced."""
-        angle = reduced(x) if reduce else np.asarray(x, dtype=np.float64)
+    def _over_images(self, function: Callable[[Array], Array], x: Any) -> Array:
+        """The sum of ``function`` over all x + 2πk near enough to count."""
+        angle = reduced(x)
         reach = int(np.ceil((TWO_PI + 9.0 * self.sigma) / TWO_PI))
         return np.asarray(sum(function(angle + TWO_PI * turn) for turn in range(-reach, reach + 1)))
 
@@ -241,11 +194,6 @@ class WrappedCauchy:
         """κ_m = r^|m|."""
         return np.asarray(self.r ** np.abs(np.asarray(m, dtype=np.float64)))
 
-    def coefficient_rates(self, m: Any) -> Array:
-        """dκ_m/dr = |m| r^(|m| - 1)."""
-        order = np.abs(np.asarray(m, dtype=np.float64))
-        return np.asarray(order * self.r ** (order - 1.0))
-
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, exactly."""
         return float(self.r ** (m + 1) / (1.0 - self.r))
@@ -258,12 +206,6 @@ class WrappedCauchy:
         """d/dx of ``density``."""
         push = 2.0 * self.r * np.sin(np.asarray(x, dtype=np.float64))
         return np.asarray(-(1.0 - self.r**2) * push / (TWO_PI * self._distance(x) ** 2))
-
-    def rate(self, x: Any) -> Array:
-        """d/dr of ``density``."""
-        half = np.sin(0.5 * np.asarray(x, dtype=np.float64)) ** 2
-        excess = (1.0 - self.r) ** 2 - 2.0 * (1.0 + self.r**2) * half
-        return np.asarray(excess / (np.pi * self._distance(x) ** 2))
 
     def _distance(self, x: Any) -> Array:
         """|1 - r e^{ix}|²."""
@@ -280,37 +222,16 @@ class WrappedCauchy:
         scaled = np.asarray(x, dtype=np.float64) / self._scale
         return np.asarray(-2.0 * scaled / (np.pi * self._scale**2 * (1.0 + scaled**2) ** 2))
 
-    def line_rate(self, x: Any) -> Array:
-        """d/dr of ``line_density``: -1/r times its derivative in the scale."""
-        scaled = np.asarray(x, dtype=np.float64) / self._scale
-        return np.asarray((1.0 - scaled**2) / (self.r * np.pi * self._scale**2 * (1.0 + scaled**2) ** 2))
-
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
         return np.asarray(np.arctan2(self._scale, np.asarray(x, dtype=np.float64)) / np.pi)
 
-    def exceedance_rate(self, x: Any) -> Array:
-        """d/dr P(ξ > x)."""
-        distance = np.asarray(x, dtype=np.float64)
-        return np.asarray(-distance / (self.r * np.pi * (distance**2 + self._scale**2)))
-
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep their digits."""
-        chord, cosines, sines, stretch = self._seen(low, high)
-        return np.asarray(np.arctan2(stretch * chord, cosines + stretch**2 * sines) / np.pi)
-
-    def arc_probability_rate(self, low: Any, high: Any) -> Array:
-        """d/dr of ``arc_probability``."""
-        chord, cosines, sines, stretch = self._seen(low, high)
-        across, along = stretch * chord, cosines + stretch**2 * sines
-        turning = chord * (cosines - stretch**2 * sines) / (across**2 + along**2)
-        return np.asarray(turning * 2.0 / ((1.0 - self.r) ** 2 * np.pi))
-
-    def _seen(self, low: Any, high: Any) -> tuple[Array, Array, Array, float]:
-        """With k = (1 + r)/(1 - r) the law of 2 arctan(tan(ξ/2)·k) is uniform: what arctan's difference needs."""
         a, b = 0.5 * np.asarray(low, dtype=np.float64), 0.5 * np.asarray(high, dtype=np.float64)
-        stretch = (1.0 + self.r) / (1.0 - self.r)
-        return np.sin(b - a), np.cos(a) * np.cos(b), np.sin(a) * np.sin(b), stretch
+        stretch = (1.0 + self.r) / (1.0 - self.r)  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
+        along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
+        return np.asarray(np.arctan2(stretch * np.sin(b - a), along) / np.pi)
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Cauchy draws, radians, not wrapped: now and then many turns long."""

@@ -26,14 +26,12 @@ class _Reference:
     nodes: Array
     to_coefficients: Array
     antiderivative: Array  # (2, degrees, ORDER): of P_j dθ/dt per half-width, zero at t = -1
-    gram: Array  # (2, ORDER, ORDER): ∫ P_i P_j dθ/dt per half-width
-    slope_product: Array  # (ORDER, ORDER): ∫ P_i' P_j dt
+    mass: Array  # (2, ORDER): ∫ P_j dθ/dt per half-width
 
 
 @cache
 def _reference() -> _Reference:
     nodes = np.asarray(legendre.leggauss(ORDER)[0], dtype=np.float64)
-    degrees = np.arange(ORDER)
     # The inverse is good to rounding; with Gauss weights in its place 1e-14 would be lost.
     to_coefficients = np.asarray(np.linalg.inv(legendre.legvander(nodes, ORDER - 1)), dtype=np.float64)
     fine, fine_weights = legendre.leggauss(3 * ORDER)
@@ -42,10 +40,7 @@ def _reference() -> _Reference:
     weighted = np.einsum("qi,sq,qj->sij", waves * fine_weights[:, None], stretches, waves[:, :ORDER])
     series = weighted * (np.arange(ORDER + _EXTRA) + 0.5)[:, None]
     antiderivative = np.stack([legendre.legint(part, lbnd=-1.0, axis=0) for part in series])
-    # ∫ P_i' P_j dt is 2 where i - j is odd and positive.
-    ahead = np.subtract.outer(degrees, degrees)
-    slope_product = np.where((ahead > 0) & (ahead % 2 == 1), 2.0, 0.0)
-    return _Reference(nodes, to_coefficients, antiderivative, weighted[:, :ORDER], slope_product)
+    return _Reference(nodes, to_coefficients, antiderivative, weighted[:, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,13 +133,10 @@ class Panels:
         rows[np.arange(panel.size), panel] = values
         return rows.reshape(panel.size, self.size)
 
-    # -- integrals -----------------------------------------------------------------------------------------
-
     @cached_property
     def mass(self) -> Array:
         """(size,): the integral of every basis function."""
-        per_half = _reference().gram[self.bent.astype(np.int64), 0]
-        return np.asarray(self.half[:, None] * per_half).ravel()
+        return np.asarray(self.half[:, None] * _reference().mass[self.bent.astype(np.int64)]).ravel()
 
     def integral(self, law: Any, theta: Array) -> Any:
         """∫ of the function with coefficients ``law`` from the first panel's start to each angle."""
@@ -173,19 +165,6 @@ class Panels:
         values = np.where(self.bent[panel, None], waves @ tables[1], waves @ tables[0])
         return panel, self.half[panel, None] * values
 
-    def derivative(self, primitive: Any) -> Any:
-        """Coefficients of the derivative, in the weak sense, of a function of period one turn of panels.
-
-        Its integrals against every P_k(t) of every panel are exact; where the derivative is infinite (at the end of
-        a bent panel) or a point mass (where the function jumps) no other meaning is left.
-        """
-        tables, blocks = _reference(), np.asarray(primitive).reshape(self.count, ORDER)
-        at_end = np.sum(blocks, axis=1)
-        signs = (-1.0) ** np.arange(ORDER)
-        moments = at_end[:, None] - np.roll(at_end, 1)[:, None] * signs - blocks @ tables.slope_product.T
-        gram = tables.gram[self.bent.astype(np.int64)] * self.half[:, None, None]
-        return np.linalg.solve(gram, moments[:, :, None]).reshape(self.size)
-
     def rule(self, cuts: Array, points: int) -> tuple[Array, Array]:
         """Gauss-Legendre nodes and weights in t on every panel, cut also at the angles ``cuts``, sorted."""
         panel, t = self.locate(cuts)
@@ -208,13 +187,12 @@ class LevelSteps:
     """The step functions n(θ; z) = ⌊(F(θ) - z)/2π⌋ on [0, 2π), one a level.
 
     row, theta, height : every step inside: its level's index, its angle, and by how much n rises there.
-    first, last : (levels,): n just after 0 and just before 2π.
+    last : (levels,): n just before 2π.
     """
 
     row: Whole
     theta: Array
     height: Whole
-    first: Whole
     last: Whole
 
 
@@ -234,7 +212,6 @@ def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelStep
         np.append(rows, jump_row),
         np.append(theta, cells.start[cell + 1]),
         np.append(height, jumped[jump_row, cell]),
-        low[:, 0],
         high[:, -1],
     )
 
@@ -279,22 +256,18 @@ def law_singularities(circle_map: CircleMap, cells: Cells, halfwidth: float) -> 
         theta = np.append(theta, latest)
         generation = np.append(generation, np.full(latest.size, step))
         roots = np.append(roots, np.tile(root, 2))
-        theta, generation, roots = _merged(theta, generation, roots)
+        # Sorted, with points that are the same joined into the roughest of them.
+        order = np.argsort(theta, kind="stable")
+        theta, generation, roots = theta[order], generation[order], roots[order]
+        group = np.cumsum(np.diff(theta, prepend=theta[:1]) > _SAME)
+        leader = np.lexsort((~roots, generation, group))
+        leader = leader[np.diff(group[leader], prepend=-1) > 0]
+        theta, generation, roots = theta[leader], generation[leader], roots[leader]
         now = generation == step
         if theta.size > _MOST or not np.any(now):
             break
         values, root = circle_map(theta[now]), roots[now]
     return Singularities(theta, generation, roots)
-
-
-def _merged(theta: Array, generation: Whole, root: Mask) -> tuple[Array, Whole, Mask]:
-    """Sorted, with points that are the same joined into the roughest of them."""
-    order = np.argsort(theta, kind="stable")
-    theta, generation, root = theta[order], generation[order], root[order]
-    group = np.cumsum(np.diff(theta, prepend=theta[:1]) > _SAME)
-    leader = np.lexsort((~root, generation, group))
-    leader = leader[np.diff(group[leader], prepend=-1) > 0]
-    return theta[leader], generation[leader], root[leader]
 
 
 SHORTEST = 1e-7  # radians: panels are not cut below this
@@ -362,25 +335,17 @@ def refined(
         worth = np.where(long, worst, 0.0)
         last = np.sort(worth)[::-1][: most - panels.count][-1]  # no more than there is room for
         rough = long & (worst >= max(1.0, _FOCUS * float(np.max(worth)), float(last)))
-        cuts = _cut_points(panels, rough, singular, _CUT_AT[step % 2])
-        if cuts.size == 0:
+        # Cut at the roughest singular point inside, else halfway.
+        known, cuts = singular.upto(_CUT_AT[step % 2] - 1), []
+        for start, end in zip(panels.start[rough], panels.end[rough], strict=True):
+            margin = max(_APART, 1e-3 * (end - start))
+            a, b = np.searchsorted(known.theta, [start + margin, end - margin])
+            cuts.append(known.theta[a + int(np.argmin(known.generation[a:b]))] if b > a else 0.5 * (start + end))
+        if not cuts:
             break
-        ends = with_ends(ends, cuts)
+        ends = with_ends(ends, np.array(cuts))
         panels = panels_between(ends, root, within)
     return panels
-
-
-def _cut_points(panels: Panels, rough: Mask, singular: Singularities, below: int) -> Array:
-    """Where to cut the rough panels: at the roughest singular point inside, of generations ``below``, else halfway."""
-    known = singular.generation < below
-    theta, generation = singular.theta[known], singular.generation[known]
-    cuts = []
-    for start, end in zip(panels.start[rough], panels.end[rough], strict=True):
-        margin = max(_APART, 1e-3 * (end - start))
-        low, high = np.searchsorted(theta, [start + margin, end - margin])
-        inside = theta[low + int(np.argmin(generation[low:high]))] if high > low else 0.5 * (start + end)
-        cuts.append(float(inside))
-    return np.array(cuts)
 
 
 def resolving_cuts(circle_map: CircleMap, panels: Panels) -> Array:

@@ -1,1 +1,1 @@
-"""The transfer operator of a noisy map: law, spectrum, responses, diffusion, metastable sets."""
+"""The transfer operator of a noisy map: stationary distribution, spectrum, diffusion."""

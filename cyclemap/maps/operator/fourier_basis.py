@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -29,7 +29,6 @@ NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 
 Waves = tuple[slice, Array]
-Block = tuple[slice, Array, Array]
 
 
 def needed_modes(noise: Noise) -> int:
@@ -95,8 +94,6 @@ class FourierDiscretisation:
         if whole_number("modes", self.modes, least=1) > MAX_MODES:
             raise InvalidInput(f"modes is {self.modes}: at most {MAX_MODES} Fourier modes can be kept")
 
-    # -- the basis -----------------------------------------------------------------------------------------
-
     @property
     def size(self) -> int:
         """2·modes + 1."""
@@ -142,15 +139,10 @@ class FourierDiscretisation:
             row[abs(order)], row[self.modes + abs(order)] = 1.0, 1j * np.sign(order)
         return row
 
+    @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as smooth as F."""
-        return self._rule
-
-    @cached_property
-    def _rule(self) -> tuple[Array, Array]:
         return circle_rule(self.map, self.modes, self.finer)
-
-    # -- one cycle -----------------------------------------------------------------------------------------
 
     @cached_property
     def kappa(self) -> Array:
@@ -160,9 +152,9 @@ class FourierDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): κ_m ∫ (1, cos mF, sin mF) φ_k dθ; the first row keeps the mass exactly."""
-        _, weight = self._rule
+        _, weight = self.rule
         matrix = np.zeros((self.size, self.size))
-        for part, before, after in self._blocks():
+        for (part, before), (_, after) in zip(self._before, self._after, strict=True):
             matrix += after @ (before * weight[part]).T
         matrix *= self.kappa[:, None] * self._scale
         matrix[0] = self.mass
@@ -172,15 +164,11 @@ class FourierDiscretisation:
         """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns of several."""
         return self.carried(self.on_nodes(law))
 
-    def expected_slope(self, dual: Array, factors: Array | None = None, at: Array | None = None) -> Array:
-        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or the angles ``at``.
-
-        factors : to use for the κ_m.
-        """
+    def expected_slope(self, dual: Array, at: Array | None = None) -> Array:
+        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or at ``at``."""
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
-        ahead = _times(self.kappa if factors is None else factors, dual)
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
-        back = -self._turned(ahead)
+        back = -self._turned(_times(self.kappa, dual))
         return np.concatenate([after.T @ back for _, after in images])
 
     def on_nodes(self, law: Any) -> Any:
@@ -189,13 +177,9 @@ class FourierDiscretisation:
 
     def carried(self, density: Any) -> Any:
         """(n,): coefficients after one cycle of the density with these values at the nodes of ``rule``."""
-        return _times(self.kappa, self._image_moments(density))
-
-    def _image_moments(self, density: Any) -> Any:
-        _, weight = self._rule
-        return np.sum([after @ _times(weight[part], density[part]) for part, after in self._after], axis=0)
-
-    # -- accuracy ------------------------------------------------------------------------------------------
+        _, weight = self.rule
+        moments = np.sum([after @ _times(weight[part], density[part]) for part, after in self._after], axis=0)
+        return _times(self.kappa, moments)
 
     def refined(self) -> FourierDiscretisation:
         """The same with every mode that the noise lets through and twice as many nodes: for residuals."""
@@ -213,32 +197,9 @@ class FourierDiscretisation:
 
     def left_out(self, density: Any) -> float:
         """Bound on Σ over m > modes of |E e^{imθ}| after one cycle (proved), and an allowance for rounding."""
-        _, weight = self._rule
+        _, weight = self.rule
         rounding = MATRIX * float(np.linalg.norm(self.kappa))
         return (self.noise.tail(self.modes) + rounding) * float(np.dot(weight, np.abs(density)))
-
-    # -- responses -----------------------------------------------------------------------------------------
-
-    def map_response(self, law: Any, tangent: Callable[[Array], Array], break_shifts: Array) -> Any:
-        """(n,): coefficients of d(Lp) when F moves by ``tangent`` (radians a unit) and its breaks by ``break_shifts``.
-
-        κ_m (∫ im·tangent·e^{imF} p dθ + Σ_b shift_b p(b) (e^{imF(b-)} - e^{imF(b+)})): the sum has the mass that a
-        moving break hands from the branch on its right to that on its left.
-        """
-        theta, _ = self._rule
-        moved = self._turned(self._image_moments(self.on_nodes(law) * tangent(theta)))
-        breaks = self.map.breaks
-        if breaks.size and np.any(break_shifts):
-            handed = break_shifts * (self.evaluate(breaks) @ law)
-            sides = waves(self.map.left(breaks), self.modes) - waves(self.map.right(breaks), self.modes)
-            moved = moved + sides @ handed
-        return self.kappa * moved
-
-    def noise_response(self, law: Any) -> Any:
-        """(n,): coefficients of d(Lp)/d(the noise's own parameter)."""
-        return self.noise.coefficient_rates(self.order) * self._image_moments(self.on_nodes(law))
-
-    # -- inside --------------------------------------------------------------------------------------------
 
     def _turned(self, rows: Any) -> Any:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""
@@ -246,19 +207,15 @@ class FourierDiscretisation:
         m = self.order[1 : self.modes + 1].reshape(-1, *(1,) * (rows.ndim - 1))
         return np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])
 
-    def _blocks(self) -> Iterable[Block]:
-        """Nodes in blocks: (their place, waves of θ, waves of F(θ))."""
-        return ((part, before, after) for (part, before), (_, after) in zip(self._before, self._after, strict=True))
-
     @cached_property
     def _before(self) -> Iterable[Waves]:
         """Waves of the nodes θ."""
-        return WavesInBlocks(self._rule[0], self.modes)
+        return WavesInBlocks(self.rule[0], self.modes)
 
     @cached_property
     def _after(self) -> Iterable[Waves]:
         """Waves of F(θ) at the nodes."""
-        return WavesInBlocks(self.map(self._rule[0]), self.modes)
+        return WavesInBlocks(self.map(self.rule[0]), self.modes)
 
 
 def _times(factors: Array, columns: Any) -> Any:

@@ -1,22 +1,16 @@
-"""Eigenvalues of a transfer operator, and its linear response: how laws and eigenvalues move with a parameter."""
+"""Eigenvalues of a transfer operator, the bounds on their errors, and the mixing time."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, Whole
-from cyclemap.checks import finite_array, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS, MATRIX, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.arrays import Array, Whole
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.estimate import MATRIX, Estimate
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
-from cyclemap.maps.operator.poisson_equation import BorderedSystem, density_at, density_grid
 
 Complex = npt.NDArray[np.complex128]
 
@@ -57,9 +51,24 @@ def leading_values(basis: Discretisation, count: int) -> Complex:
     return np.concatenate([[1.0 + 0.0j], found[_falling(found)]])[:count]
 
 
-def leading_spectrum(basis: Discretisation, finer: Discretisation | None, law: Array, count: int) -> Spectrum:
+def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, count: int) -> Spectrum:
     """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer basis."""
-    values, right, left = _two_sided(_deflated(basis), count - 1, basis.size <= _DENSE)
+    deflated, wanted = _deflated(basis), max(count - 1, 8)
+    if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
+        from scipy.linalg import eig
+
+        found = eig(deflated, left=True)
+        values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
+        left = left.conj()
+    else:
+        values, right = _arnoldi(deflated, wanted)
+        others, left = _arnoldi(deflated.T, wanted)
+        left = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
+    order = _falling(values)[:wanted]
+    values, right, left = values[order], right[:, order], left[:, order]
+    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
+    kept = np.abs(values) > _TOO_SMALL
+    left[:, kept] = deflated.T @ left[:, kept] / values[kept]
     values = np.concatenate([[1.0 + 0.0j], values])
     # A left vector of the deflated matrix is one of L but for its share of the first, which is the mass.
     left = left - np.multiply.outer(basis.mass, law @ left)
@@ -94,25 +103,19 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     highest = float(np.max(np.where(close, moduli + bounds, 0.0)))
     if np.isfinite(highest):
         return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
-    largest = _root_of_powers(basis)
-    value = min(float(moduli[0]), largest)
-    return Estimate(value, max(value, largest - value))
-
-
-def _root_of_powers(basis: Discretisation) -> float:
-    """The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off."""
+    # The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off.
     power = _deflated(basis)
     size = float(np.linalg.norm(power))
-    off = MATRIX * 4.0 * (1.0 + size)
+    off, largest = MATRIX * 4.0 * (1.0 + size), 1.0
     if isinstance(basis, FourierDiscretisation):
         off += basis.noise.tail(basis.modes) * (1.0 + size)
-    least, n = 1.0, 1
-    for _ in range(_SQUARINGS):
-        least = min(least, (size + off) ** (1.0 / n))
+    for n in 2.0 ** np.arange(_SQUARINGS):
+        largest = min(largest, (size + off) ** (1.0 / n))
         off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
-        power, n = power @ power, 2 * n
+        power = power @ power
         size = float(np.linalg.norm(power))
-    return least
+    value = min(float(moduli[0]), largest)
+    return Estimate(value, max(value, largest - value))
 
 
 def mixing_time(second: Estimate) -> Estimate:
@@ -137,26 +140,6 @@ def _falling(values: Complex) -> Whole:
     return np.lexsort((-values.imag, -np.round(np.abs(values), 13)))
 
 
-def _two_sided(matrix: Array, count: int, dense: bool) -> tuple[Complex, Complex, Complex]:
-    """The ``count`` leading eigenvalues (a few more where they are at hand), right and left vectors."""
-    if dense or 2 * count + 10 >= matrix.shape[0]:
-        from scipy.linalg import eig
-
-        found = eig(matrix, left=True)
-        values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
-        left = left.conj()
-    else:
-        values, right = _arnoldi(matrix, max(count, 8))
-        others, left = _arnoldi(matrix.T, max(count, 8))
-        left = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
-    order = _falling(values)[: max(count, 8)]
-    values, right, left = values[order], right[:, order], left[:, order]
-    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
-    kept = np.abs(values) > _TOO_SMALL
-    left[:, kept] = matrix.T @ left[:, kept] / values[kept]
-    return values, right, left
-
-
 def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
     """ARPACK's leading eigenvalues and vectors, residuals checked."""
     from scipy.sparse.linalg import eigs
@@ -171,11 +154,9 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
 
 
 def _error_bounds(
-    basis: Discretisation, finer: Discretisation | None, values: Complex, right: Complex, left: Complex
+    basis: Discretisation, finer: Discretisation, values: Complex, right: Complex, left: Complex
 ) -> Array:
     """How far the finer basis moves every eigenvalue, to first order where it has no further functions."""
-    if finer is None:
-        return np.full(values.size, np.inf)
     if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
         # Real columns: with complex ones all waves would be made complex first.
         carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))
@@ -187,168 +168,3 @@ def _error_bounds(
     others = np.append(leading_values(finer, max(2 * values.size, 8)), np.zeros(values.size))
     gaps = np.abs(values[:, None] - others)
     return np.asarray(gaps[linear_sum_assignment(gaps)])
-
-
-Function = Callable[[Array], Array]
-
-_SEPARATE = 1e-9  # moduli nearer than this are the same: which one is second is not decided
-
-
-@dataclass(frozen=True, eq=False)
-class Perturbation:
-    """What moves: F by ``tangent`` (radians a unit) and its breaks by ``break_shifts``; without one, the noise."""
-
-    tangent: Function | None = None
-    break_shifts: Array | None = None
-
-    def applied(self, basis: Discretisation, law: Any) -> Any:
-        """Coefficients of d(Lp), the law p held."""
-        if self.tangent is None:
-            return basis.noise_response(law)
-        shifts = np.zeros(basis.map.breaks.size) if self.break_shifts is None else self.break_shifts
-        return basis.map_response(law, self.tangent, shifts)
-
-
-def map_perturbation(circle_map: CircleMap, theta: Array, tangent: Function, break_shifts: Any) -> Perturbation:
-    """A checked perturbation of the map: the tangent is tried at ``theta``, one shift is asked for every break."""
-    if not callable(tangent) or finite_array("tangent's values", tangent(theta)).shape != theta.shape:
-        raise InvalidInput(f"tangent is {tangent!r}: give a callable that acts entry by entry on angles")
-    shifts = None if break_shifts is None else finite_array("break_shifts", break_shifts, circle_map.breaks.size, 1)
-    return Perturbation(tangent, shifts)
-
-
-@dataclass(frozen=True, eq=False)
-class ResponseLevel:
-    """The response on one basis: ``rate``, the coefficients of dp."""
-
-    system: BorderedSystem
-    law: Array
-    spectrum: Spectrum
-    perturbation: Perturbation
-
-    @cached_property
-    def rate(self) -> Array:
-        """(n,): dc = (I - L)⁻¹ dL c (Hanggi & Thomas 1982; Galatolo & Giulietti 2019)."""
-        return self.system.solve(self.perturbation.applied(self.system.basis, self.law))
-
-    def of_integral(self, values: Array, theta: Array, weight: Array) -> float:
-        """∫ h dp for the h with these ``values`` at ``theta``."""
-        return float(np.dot(weight * values, density_at(self.system.basis, theta, self.rate)))
-
-    @cached_property
-    def second(self) -> complex:
-        """dλ₂ = wᵀ dL v / wᵀv."""
-        right, left = self.spectrum.right[:, 1], self.spectrum.left[:, 1]
-        return complex(left @ self.perturbation.applied(self.system.basis, right))
-
-    def mean_turn(self) -> float:
-        """d E(F - θ), radians."""
-        basis, moving = self.system.basis, self.perturbation
-        theta, weight = basis.rule()
-        change = self.of_integral(basis.map.turn(theta), theta, weight)
-        if moving.tangent is None:
-            return change
-        breaks = basis.map.breaks
-        if moving.break_shifts is not None and breaks.size:
-            # What moving breaks hand over: shift·p·(left - right).
-            jumps = basis.map.left(breaks) - basis.map.right(breaks)
-            change += float(np.sum(moving.break_shifts * (basis.evaluate(breaks) @ self.law) * jumps))
-        return change + float(np.dot(weight * moving.tangent(theta), density_at(basis, theta, self.law)))
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """The derivative of a law, and of what is read off it, with respect to one parameter; made by a TransferOperator.
-
-    Every number is an ``Estimate``. Its error is measured, not proved: the distance from the same computed with every
-    mode that the noise lets through on twice as many nodes, and rounding as the norm of (I - L)⁻¹ magnifies it.
-    """
-
-    level: ResponseLevel
-    finer: ResponseLevel
-
-    def density(self, theta: Any) -> Array:
-        """The derivative of the stationary density, per radian a unit, at ``theta`` (radians, any shape)."""
-        angles = finite_array("theta", theta)
-        return density_at(self.level.system.basis, angles.ravel(), self.level.rate).reshape(angles.shape)
-
-    @cached_property
-    def density_error(self) -> float:
-        """Measured error of ``density``, per radian a unit, anywhere on the circle."""
-        basis = self.finer.system.basis
-        grid, values = density_grid(lambda at: density_at(basis, at, self.finer.rate), basis.size)
-        # Between the grid's points, eight a function, a trigonometric polynomial rises by 2 % at most.
-        return 1.02 * float(np.max(np.abs(values - self.density(grid)))) + self._rounding / np.pi
-
-    def moment(self, n: int) -> complex:
-        """d E e^{inθ}; see ``moment_error``."""
-        return complex(self.level.system.basis.moments(whole_number("n", n)) @ self.level.rate)
-
-    def moment_error(self, n: int) -> float:
-        """Measured error of ``moment``."""
-        finer = complex(self.finer.system.basis.moments(whole_number("n", n)) @ self.finer.rate)
-        return abs(finer - self.moment(n)) + self._rounding
-
-    def expectation(self, function: Function) -> Estimate:
-        """d E h(θ) = ∫ h dp, for a vectorised h as smooth as F."""
-
-        def change(level: ResponseLevel) -> float:
-            theta, weight = level.system.basis.rule()
-            return level.of_integral(finite_array("function's values", function(theta)), theta, weight)
-
-        return self._measured(change, function)
-
-    @cached_property
-    def rotation_number(self) -> Estimate:
-        """The derivative of the mean winding, turns a cycle a unit; InvalidInput unless the degree is 1."""
-        circle_map = self.level.system.basis.map
-        if circle_map.degree != 1:
-            raise InvalidInput(f"the map has degree {circle_map.degree}: its mean winding is not defined")
-        return self._measured(lambda level: level.mean_turn() / TWO_PI, lambda theta: circle_map.turn(theta) / TWO_PI)
-
-    # -- the second eigenvalue -----------------------------------------------------------------------------
-
-    @cached_property
-    def gap_is_smooth(self) -> bool:
-        """Whether λ₂ is simple and no eigenvalue but its conjugate has its modulus, so that |λ₂| has a derivative."""
-        values, bounds = self.level.spectrum.values, self.level.spectrum.error_bounds
-        if values.size < 2 or abs(values[1]) <= bounds[1] or not np.isfinite(bounds[1]):
-            return False
-        others = np.delete(values, [0, 1])
-        others = others[np.abs(others - np.conj(values[1])) > _SEPARATE + bounds[1]] if values[1].imag else others
-        return bool(np.all(np.abs(others) < abs(values[1]) - _SEPARATE - bounds[1]))
-
-    @cached_property
-    def second_modulus(self) -> Estimate:
-        """d|λ₂| = Re(λ̄₂ dλ₂)/|λ₂|, by first-order perturbation; nan unless ``gap_is_smooth``."""
-        if not self.gap_is_smooth:
-            return Estimate(float("nan"), float("inf"))
-        found = _modulus_change(self.level)
-        condition = float(self.level.spectrum.condition[1])
-        size = abs(self.level.second) + float(np.max(np.abs(self.level.rate)))
-        return Estimate(found, abs(_modulus_change(self.finer) - found) + 64.0 * EPS * condition**2 * size)
-
-    @cached_property
-    def spectral_gap(self) -> Estimate:
-        """d(1 - |λ₂|); nan unless ``gap_is_smooth``."""
-        return Estimate(-self.second_modulus, self.second_modulus.error_bound)
-
-    # -- inside --------------------------------------------------------------------------------------------
-
-    @cached_property
-    def _rounding(self) -> float:
-        """What rounding may move one moment's derivative by."""
-        size = float(np.max(np.abs(self.level.rate))) + 1.0
-        return 8.0 * EPS * (1.0 + self.level.system.inverse_norm) * size
-
-    def _measured(self, number: Callable[[ResponseLevel], float], weighed: Function) -> Estimate:
-        found = number(self.level)
-        theta, weight = self.level.system.basis.rule()
-        values = np.abs(weighed(theta))
-        size = float(np.dot(weight, np.where(np.isfinite(values), values, 0.0))) / TWO_PI
-        return Estimate(found, abs(number(self.finer) - found) + self._rounding * (1.0 + size))
-
-
-def _modulus_change(level: ResponseLevel) -> float:
-    value = complex(level.spectrum.values[1])
-    return float((np.conj(value) * level.second).real / abs(value))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, Whole
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
@@ -25,23 +25,13 @@ from cyclemap.maps.operator.poisson_equation import (
     SolutionError,
     density_at,
     density_grid,
-    diffusion_estimate,
+    diffusion_constant,
     expected,
     law_error,
     map_error_of_density,
     map_error_of_moment,
 )
-from cyclemap.maps.operator.spectrum import (
-    Perturbation,
-    Response,
-    ResponseLevel,
-    Spectrum,
-    leading_spectrum,
-    leading_values,
-    map_perturbation,
-    mixing_time,
-    second_modulus,
-)
+from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 
@@ -50,18 +40,6 @@ Function = Callable[[Array], Array]
 
 def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
     """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them, sorted."""
-    tops = _prominent(values, margin)
-    step, at = grid[1], grid[tops]
-    inside = slope(at - step) * slope(at + step) < 0.0
-    if np.any(inside):
-        at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
-    at = np.mod(at, TWO_PI)
-    # A tiny negative angle rounds up to a whole turn.
-    return np.sort(np.where(at >= TWO_PI, 0.0, at))
-
-
-def _prominent(values: Array, margin: float) -> Whole:
-    """Indices of local maxima on a periodic grid that rise by ``margin`` above the dips beside them."""
     before, after = np.roll(values, 1), np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
     while tops.size:
@@ -72,20 +50,13 @@ def _prominent(values: Array, margin: float) -> Whole:
         if height[least] > margin:
             break
         tops = np.delete(tops, least)
-    return tops
-
-
-def distance_from_uniform(density: Function, circle_map: CircleMap, grid: Array, values: Array, size: int) -> float:
-    """½ ∫ |p - 1/2π| dθ, cut where the density crosses the uniform one; ``values`` its values on ``grid``."""
-    excess = values - 0.5 / np.pi
-    crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-    if crossing.size == 0:
-        return 0.0
-    found = np.sort(bracketed_root(lambda x, _: density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
-    ends = np.append(found, found[0] + TWO_PI)
-    rules = [arc_rule(circle_map, a, b, size, every_sample=False) for a, b in pairwise(ends.tolist()) if b > a]
-    parts = [abs(float(np.dot(weight, density(theta) - 0.5 / np.pi))) for theta, weight in rules]
-    return 0.5 * float(np.sum(parts))
+    step, at = grid[1], grid[tops]
+    inside = slope(at - step) * slope(at + step) < 0.0
+    if np.any(inside):
+        at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
+    at = np.mod(at, TWO_PI)
+    # A tiny negative angle rounds up to a whole turn.
+    return np.sort(np.where(at >= TWO_PI, 0.0, at))
 
 
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
@@ -131,7 +102,7 @@ class TransferOperator:
 
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
     ``poisson_equation.law_error`` for what in them is proved and what measured); to first order they include the
-    map's own ``max_error``, except in the spectrum, the responses and the diffusion constant.
+    map's own ``max_error``, except in the spectrum and the diffusion constant.
     """
 
     map: CircleMap
@@ -142,8 +113,6 @@ class TransferOperator:
     def modes(self) -> int:
         """Fourier modes on each side; for other bases half the number of functions."""
         return self.discretisation.size // 2
-
-    # -- the stationary law --------------------------------------------------------------------------------
 
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
@@ -201,15 +170,20 @@ class TransferOperator:
 
     @cached_property
     def diffusion(self) -> Estimate:
-        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``; inf for Cauchy.
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``.
 
-        The bound is measured, against D on a finer basis.
+        For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other noise is refused.
 
         >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        return diffusion_estimate(self._system, self._law, (self._finer._system, self._finer._law))
+        found = diffusion_constant(self._system, self._law)
+        if np.isinf(found):
+            return Estimate(found, 0.0)
+        # Rounding is what the norm of (I - L)⁻¹ magnifies.
+        rounding = INTEGRAL * (1.0 + self._system.inverse_norm) * (1.0 + abs(found))
+        return Estimate(found, abs(diffusion_constant(self._finer._system, self._finer._law) - found) + rounding)
 
     @cached_property
     def tv_from_uniform(self) -> Estimate:
@@ -222,8 +196,14 @@ class TransferOperator:
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
         if farthest <= 4.0 * self.error_bound:
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
-        found = distance_from_uniform(self.density, self.map, grid, values, self.modes)
-        return Estimate(found, min(1.0, known))
+        # Cut where the density crosses the uniform one.
+        excess = values - 0.5 / np.pi
+        crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
+        found = np.sort(bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
+        ends = np.append(found, found[0] + TWO_PI).tolist()
+        rules = [arc_rule(self.map, a, b, self.modes, every_sample=False) for a, b in pairwise(ends) if b > a]
+        parts = [abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules]
+        return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
 
     def peaks(self) -> Array:
         """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is uniform.
@@ -235,8 +215,6 @@ class TransferOperator:
             return np.asarray(self.discretisation.slope(theta) @ self._law)
 
         return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
-
-    # -- the spectrum --------------------------------------------------------------------------------------
 
     def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
@@ -262,35 +240,6 @@ class TransferOperator:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
         return mixing_time(self._second)
 
-    # -- responses -----------------------------------------------------------------------------------------
-
-    def map_response(self, tangent: Function, break_shifts: Any = None) -> Response:
-        """The derivative of law, moments, winding and gap when F moves as F + p·tangent, at p = 0.
-
-        tangent : ∂F/∂p, vectorised, radians a unit, as smooth as F between its breaks. break_shifts : rate of every
-            break of F, radians a unit, in the order of ``map.breaks``; None where none moves.
-        dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
-
-        >>> from cyclemap.maps.noise.noise import WrappedNormal
-        >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
-        >>> round(turning.map_response(np.ones_like).rotation_number * 2 * np.pi, 12)
-        1.0
-        """
-        theta, _ = self.discretisation.rule()
-        return self._response(map_perturbation(self.map, theta, tangent, break_shifts))
-
-    def noise_response(self) -> Response:
-        """The derivative of the same with respect to the noise's own parameter (sigma, r, kappa or halfwidth)."""
-        return self._response(Perturbation())
-
-    def _response(self, moving: Perturbation) -> Response:
-        level = ResponseLevel(self._system, self._law, self._leading, moving)
-        fine = self._finer
-        vectors = leading_spectrum(fine.discretisation, None, fine._law, _LEADING)
-        return Response(level, ResponseLevel(fine._system, fine._law, vectors, moving))
-
-    # -- passages ------------------------------------------------------------------------------------------
-
     def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
         """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage_times``."""
         return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
@@ -298,8 +247,6 @@ class TransferOperator:
     def hitting_probability(self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]) -> Estimate:
         """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage_times``."""
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
-
-    # -- inside --------------------------------------------------------------------------------------------
 
     @cached_property
     def _system(self) -> BorderedSystem:
@@ -334,7 +281,7 @@ class TransferOperator:
         return density_grid(self.density, self.discretisation.size)
 
     def _expected(self, function: Function, folds: bool, direct: float) -> Estimate:
-        rules = self.discretisation.rule(), self._error.basis.rule()
+        rules = self.discretisation.rule, self._error.basis.rule
         if folds:
             rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
         return expected(self._error, function, rules, direct)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,7 +17,6 @@ from cyclemap.maps.lifts.scan import Cells, monotone_cells
 from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.panels import (
     ORDER,
-    LevelSteps,
     Panels,
     law_singularities,
     level_steps,
@@ -40,17 +38,12 @@ def uniform_discretisation(
 ) -> UniformDiscretisation:
     """Panels on which the stationary law of θ' = F(θ) + ξ, ξ uniform, and its slow departures are resolved.
 
-    Panels end at F's breaks and at the points where the law kinks or has a square root, with polynomials in an angle
-    beside the latter; where the law is still rough they are cut further, until its last coefficients are below
-    1e-13, or there are ``max_panels`` (of 24 functions each). Accuracy, as ``residual`` tells it, beside a
-    density of order 1/2h: about 1e-12 for monotone maps, with jumps or without, 1e-8 with folds, down to h = 0.03 rad;
-    worse where F has an inflection with F' = 0.
+    Panels end at F's breaks and where the law kinks or has a square root, with polynomials in an angle beside the
+    latter; they are cut further until the law's last coefficients are below 1e-13, or there are ``max_panels`` (of 24
+    functions each). Accuracy, as ``residual`` tells it, beside a density of order 1/2h: about 1e-12 for monotone maps,
+    1e-8 with folds, down to h = 0.03 rad; worse where F has an inflection with F' = 0.
 
     Raises InvalidInput unless the noise is ``UniformNoise`` and max_panels at least 16.
-
-    >>> turning = uniform_discretisation(CircleMap.rigid(0.3), UniformNoise(0.5))
-    >>> bool(turning.residual(turning.uniform) < 1e-13)
-    True
     """
     if not isinstance(noise, UniformNoise):
         raise InvalidInput(f"the noise is {noise!r}: these panels are for UniformNoise")
@@ -60,31 +53,26 @@ def uniform_discretisation(
     ends = with_ends(np.array([0.0, TWO_PI]), circle_map.breaks)
     ends = with_ends(ends, singular.upto(1).theta)
     ends = with_ends(ends, np.linspace(0.0, TWO_PI, _FIRST + 1))
-    panels = refined(
-        ends,
-        singular,
-        lambda trial: _test_functions(UniformDiscretisation(circle_map, noise, trial, cells)),
-        _TOLERANCES,
-        most,
-    )
+
+    def tried(panels: Panels) -> Array:
+        """(n, 5): the stationary law, and the waves cos, sin of θ and 2θ after a few cycles."""
+        trial = UniformDiscretisation(circle_map, noise, panels, cells)
+        columns = [wave(k * panels.nodes) for wave in (np.cos, np.sin) for k in (1, 2)]
+        waves = panels.coefficients(np.stack(columns, axis=1))
+        for _ in range(_CYCLES):
+            waves = trial.matrix @ waves
+        bordered = np.eye(trial.size) - trial.matrix + np.outer(trial.uniform, trial.mass)
+        try:
+            law = np.linalg.solve(bordered, trial.uniform)
+        except np.linalg.LinAlgError:
+            law = np.full(trial.size, np.nan)
+        if not np.all(np.isfinite(law)):
+            # Two arcs that the noise never connects: the law is not unique, but its parts are as rough as this.
+            law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
+        return np.column_stack([law, waves])
+
+    panels = refined(ends, singular, tried, _TOLERANCES, most)
     return UniformDiscretisation(circle_map, noise, panels, cells)
-
-
-def _test_functions(trial: UniformDiscretisation) -> Array:
-    """(n, 5): the stationary law, and the waves cos, sin of θ and 2θ after a few cycles."""
-    nodes = trial.panels.nodes
-    waves = trial.panels.coefficients(np.stack([wave(k * nodes) for wave in (np.cos, np.sin) for k in (1, 2)], axis=1))
-    for _ in range(_CYCLES):
-        waves = trial.matrix @ waves
-    bordered = np.eye(trial.size) - trial.matrix + np.outer(trial.uniform, trial.mass)
-    try:
-        law = np.linalg.solve(bordered, trial.uniform)
-    except np.linalg.LinAlgError:
-        law = np.full(trial.size, np.nan)
-    if not np.all(np.isfinite(law)):
-        # Two arcs that the noise never connects: the law is not unique, but its parts are as rough as this.
-        law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
-    return np.column_stack([law, waves])
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,13 +96,14 @@ class UniformDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): coefficients of the law after one cycle from those before it."""
-        steps, count = self._steps, self.size
+        nodes, width, count = self.panels.nodes, self.noise.halfwidth, self.size
+        steps = level_steps(self.map, self.cells, np.concatenate([nodes - width, nodes + width]))
         sign = np.where(np.arange(2 * count) < count, 1.0, -1.0)
         theta = np.append(steps.theta, np.full(2 * count, TWO_PI))
         weight = np.append(-1.0 * steps.height * sign[steps.row], steps.last * sign)
         row = np.append(steps.row, np.arange(2 * count)) % count
         values = self.panels.integral_matrix(theta, weight, row, count)
-        return np.asarray(self.panels.coefficients(values) / (2.0 * self.noise.halfwidth))
+        return np.asarray(self.panels.coefficients(values) / (2.0 * width))
 
     @property
     def mass(self) -> Array:
@@ -143,11 +132,10 @@ class UniformDiscretisation:
             total += waves[at : at + _BLOCK] @ self.panels.evaluate(theta[at : at + _BLOCK])
         return total
 
+    @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Nodes and weights over one turn, on panels cut at F's breaks and samples and where F is steep."""
         return self.panels.rule(resolving_cuts(self.map, self.panels), ORDER + 8)
-
-    # -- how good it is ------------------------------------------------------------------------------------
 
     def refined(self) -> UniformDiscretisation:
         """The same with every panel cut in two: what changes by it was not resolved."""
@@ -159,70 +147,11 @@ class UniformDiscretisation:
         (Lp) is the true operator's, but for rounding: the crossings and the antiderivative are exact. So the
         bound is measured only in that the maximum is taken over finitely many angles.
         """
-        theta = self.panels.test_points
+        theta, width = self.panels.test_points, self.noise.halfwidth
+        steps = level_steps(self.map, self.cells, np.concatenate([theta - width, theta + width]))
+        beyond = steps.last * (self.mass @ law)  # H at every level
+        np.add.at(beyond, steps.row, -steps.height * self.panels.integral(law, steps.theta))
+        below, above = np.split(beyond, 2)
         here = self.panels.value(law, theta)
-        worst = float(np.max(np.abs(self._carried(law, theta) - here)))
-        rounding = EPS * (8.0 * float(np.max(np.abs(here))) + 2.0 / self.noise.halfwidth)
-        return 2.0 * worst + rounding
-
-    def _carried(self, law: Any, theta: Array) -> Any:
-        """(Lp)(θ) for the function with coefficients ``law``."""
-        width = self.noise.halfwidth
-        levels = np.concatenate([theta - width, theta + width])
-        below, above = np.split(self._beyond(law, level_steps(self.map, self.cells, levels)), 2)
-        return (below - above) / (2.0 * width)
-
-    @cached_property
-    def _steps(self) -> LevelSteps:
-        nodes, width = self.panels.nodes, self.noise.halfwidth
-        return level_steps(self.map, self.cells, np.concatenate([nodes - width, nodes + width]))
-
-    def _beyond(self, law: Any, steps: LevelSteps) -> Any:
-        """H(z) = ∫ p(θ) ⌊(F(θ) - z)/2π⌋ dθ for every level of ``steps``."""
-        at = -steps.height * self.panels.integral(law, steps.theta)
-        return steps.last * (self.mass @ law) + _row_sums(at, steps)
-
-    # -- derivatives ---------------------------------------------------------------------------------------
-
-    def map_response(self, law: Any, tangent: Callable[[Array], Array], break_shifts: Array) -> Any:
-        """(n,): coefficients of d(Lp) when F moves by ``tangent`` and its breaks by ``break_shifts``.
-
-        Mass p moves with velocity τ, so d(Lp) = -d/dθ L(pτ), and a break that moves by s carries p·s from one side's
-        image to the other's. Where F folds, d(Lp) is infinite (an inverse square root) at each critical value
-        ± h: it is then given in the weak sense, exact for integrals against smooth functions, and corrected
-        so that its image under L, and with it the law's derivative, keeps full accuracy.
-        """
-        nodes = self.panels.nodes
-        moved = self.panels.coefficients(self.panels.value(law, nodes) * tangent(nodes))
-        return self._weak_response(-(self.matrix @ moved)) + self._break_response(law, break_shifts)
-
-    def noise_response(self, law: Any) -> Any:
-        """(n,): coefficients of d(Lp)/dh, weak beside square roots as in ``map_response``."""
-        steps, width, nodes = self._steps, self.noise.halfwidth, self.panels.nodes
-        below, above = np.split(self._beyond(law, steps), 2)
-        primitive = self.panels.integral(self.matrix @ law, nodes) + 0.5 * (below + above)
-        return self._weak_response(self.panels.coefficients(-primitive / width))
-
-    def _weak_response(self, primitive: Any) -> Any:
-        """r with (I - L)⁻¹ r = g + (I - L)⁻¹ Lg, g the weak derivative of ``primitive``, Lg taken exactly."""
-        weak = self.panels.derivative(primitive)
-        steps, count = self._steps, self.size
-        inside = self.panels.value(primitive, steps.theta)
-        at_turn = np.sum(primitive.reshape(-1, ORDER)[-1])
-        counted = (steps.last - steps.first) * at_turn + _row_sums(-steps.height * inside, steps)
-        image = self.panels.coefficients((counted[:count] - counted[count:]) / (2.0 * self.noise.halfwidth))
-        return weak + image - self.matrix @ weak
-
-    def _break_response(self, law: Any, break_shifts: Array) -> Any:
-        """Σ p(b) s (density of F(b-) + ξ, less that of F(b+) + ξ) over the breaks b that move by s."""
-        breaks, nodes = self.map.breaks, self.panels.nodes
-        carried = self.panels.value(law, breaks) * break_shifts
-        gap = self.noise.density(nodes[:, None] - self.map.left(breaks))
-        gap = gap - self.noise.density(nodes[:, None] - self.map.right(breaks))
-        return self.panels.coefficients(gap @ carried)
-
-
-def _row_sums(values: Any, steps: LevelSteps) -> Any:
-    total = np.zeros(steps.last.size, dtype=values.dtype)
-    np.add.at(total, steps.row, values)
-    return total
+        worst = float(np.max(np.abs((below - above) / (2.0 * width) - here)))
+        return 2.0 * worst + EPS * (8.0 * float(np.max(np.abs(here))) + 2.0 / width)

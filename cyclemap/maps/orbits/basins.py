@@ -11,7 +11,8 @@ from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.scan import INSET, Cells, monotone_cells, preimages
+from cyclemap.maps.lifts.lift_checks import Lift
+from cyclemap.maps.lifts.scan import INSET, Cells, iterate, monotone_cells, preimages
 from cyclemap.maps.orbits.periodic_points import Orbit, PeriodicPoints, periodic_orbits, periodic_points
 
 MAX_PERIOD = 8
@@ -51,20 +52,18 @@ def basins(
 ) -> tuple[Basin, ...]:
     """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
 
-    Immediate basins: with G the iterate (its square where the multiplier is not positive) that fixes a point p, the
-    arc around p grows from both ends for as long as G(x) lies between x and the arc's far end; it stops at
-    periodic points, at preimages of its other end and at jumps, solved to about 1e-13 radians/(slope - 1). Exact for
-    homeomorphisms; else G is looked at at its extrema, its breaks and 1,024 points between p and the next
-    points that G fixes.
-    Whole basins: preimages of the immediate ones under F, arc by arc (a preimage of an arc of the basin is one too:
-    nothing is found that does not belong, down to the ends' rounding), until the share ``left_over`` is undecided or
-    nothing new comes, the longest arcs first, none shorter than a thousandth of it, about ``max_arcs`` at most. Where
-    orbits wander long before they settle (a repeller nearly as thick as the circle) much may stay undecided.
-    A homeomorphism's basins are the immediate ones.
+    Immediate basins: with G the iterate (its square where the multiplier is not positive) that fixes a point p, the arc
+    around p grows from both ends for as long as G(x) lies between x and the arc's far end; it stops at periodic points,
+    at preimages of its other end and at jumps, solved to about 1e-13 radians/(slope - 1). Exact for homeomorphisms,
+    whose basins these are; else G is looked at at its extrema, its breaks and 1,024 points between p and the next
+    points that G fixes. Whole basins: preimages of the immediate ones under F, arc by arc, the longest first (nothing
+    is found that does not belong, down to the ends' rounding), until the share ``left_over`` is undecided or nothing
+    new comes, none shorter than a thousandth of it, about ``max_arcs`` at most. Where orbits wander long before they
+    settle much may stay undecided.
 
-    Saddle-nodes and neutral orbits, which may attract from one side or slowly, have no basin here; what tends
-    to them stays undecided. An attracting jump is no orbit: what it gathers belongs to the stable orbits around it.
-    Definitions: Devaney, An Introduction to Chaotic Dynamical Systems, 1.11; Milnor, Dynamics in One Complex Variable.
+    Saddle-nodes and neutral orbits have no basin here; what tends to them stays undecided. An attracting jump is no
+    orbit: what it gathers belongs to the stable orbits around it. (Devaney, An Introduction to Chaotic Dynamical
+    Systems, 1.11.)
 
     Raises InvalidInput for a bad request or where every point of an arc is periodic, ConvergenceError when the
     iterates up to ``max_period`` are too steep to scan.
@@ -102,9 +101,6 @@ def basins(
     return tuple(made)
 
 
-# -- immediate basins ----------------------------------------------------------------------------------------
-
-
 def _immediate_arc(
     circle_map: CircleMap, cells: Cells, found: PeriodicPoints, orbit: Orbit, point: float
 ) -> tuple[float, float]:
@@ -115,7 +111,13 @@ def _immediate_arc(
     fixed = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
     below = max([point - TWO_PI, *fixed[fixed < point - _LINEAR]])
     above = min([point + TWO_PI, *fixed[fixed > point + _LINEAR]])
-    local = _Local(circle_map, found.period, winding, min(orbit.multiplier, orbit.left_multiplier) <= 0.0)
+
+    def local(theta: Array) -> Array:
+        """The lift Fⁿ - 2πw, or its square, which fixes the point."""
+        for _ in range(2 if min(orbit.multiplier, orbit.left_multiplier) <= 0.0 else 1):
+            theta = iterate(circle_map, theta, found.period) - TWO_PI * winding
+        return theta
+
     # A grid between the limits, and the ends of the iterate's monotone cells, both sides of its breaks.
     edges = np.concatenate([cells.start - INSET * cells.cut, (cells.start + INSET)[cells.cut]])
     nodes = np.concatenate([np.linspace(below, above, _LOCAL + 1)[1:-1], (edges + TWO_PI * laps).ravel()])
@@ -134,25 +136,7 @@ def _immediate_arc(
     return start, start + min(high - low, TWO_PI)
 
 
-@dataclass(frozen=True, eq=False)
-class _Local:
-    """The lift Fⁿ - 2πw, or its square, which fixes the point in question."""
-
-    map: CircleMap
-    period: int
-    winding: int
-    squared: bool
-
-    def __call__(self, theta: Array) -> Array:
-        image = np.asarray(theta, dtype=np.float64)
-        for _ in range(2 if self.squared else 1):
-            for _ in range(self.period):
-                image = self.map(image)
-            image = image - TWO_PI * self.winding
-        return image
-
-
-def _reach(local: _Local, nodes: Array, images: Array, end: float, other: float, limit: float) -> float:
+def _reach(local: Lift, nodes: Array, images: Array, end: float, other: float, limit: float) -> float:
     """How far the arc grows beyond ``end``, away from ``other``, at most to ``limit``."""
     way = 1.0 if limit > end else -1.0
     ahead = way * (nodes - end) > 0.0
@@ -177,43 +161,29 @@ def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
     return np.asarray((way * image < way * x) & (way * image >= way * other))
 
 
-# -- whole basins --------------------------------------------------------------------------------------------
-
-
 def _all_preimages(circle_map: CircleMap, immediate: list[Array], left_over: float, most: int) -> tuple[Array, Whole]:
     """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     start = np.concatenate(immediate)
     waiting, mark = start, np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
-    found, marks, covered = [start], [mark], _total(start)
+    found, marks, covered = [start], [mark], float(np.sum(start[:, 1] - start[:, 0]))
     for _ in range(_BATCHES):
         if waiting.size == 0 or covered >= TWO_PI * (1.0 - left_over) or sum(map(len, found)) > most:
             break
         order = np.argsort(waiting[:, 0] - waiting[:, 1])
         now, later = np.split(order, [max(_BATCH, order.size // 4)])
-        new, new_mark = _preimage_arcs(circle_map, cells, waiting[now], mark[now])
+        # The arcs that F maps into those: between preimages of their ends, and breaks.
+        theta = np.mod(preimages(circle_map, cells, np.unique(np.mod(waiting[now].ravel(), TWO_PI))), TWO_PI)
+        edges = np.unique(np.concatenate([theta, circle_map.breaks]))
+        new = np.stack([edges, np.append(edges[1:], edges[:1] + TWO_PI)], axis=1)
+        holder = _holder(waiting[now], circle_map(np.mean(new, axis=1)))
+        new, new_mark = new[holder >= 0], mark[now][holder[holder >= 0]]
         fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (_holder(start, np.mean(new, axis=1)) < 0)
         found.append(new[fresh])
         marks.append(new_mark[fresh])
-        covered += _total(new[fresh])
+        covered += float(np.sum(new[fresh, 1] - new[fresh, 0]))
         waiting, mark = np.concatenate([waiting[later], new[fresh]]), np.append(mark[later], new_mark[fresh])
     return np.concatenate(found), np.concatenate(marks)
-
-
-def _total(arcs: Array) -> float:
-    return float(np.sum(arcs[:, 1] - arcs[:, 0]))
-
-
-def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Whole) -> tuple[Array, Whole]:
-    """The arcs that F maps into the given disjoint arcs, with the marks of those."""
-    ends = np.unique(np.mod(arcs.ravel(), TWO_PI))
-    theta = np.mod(preimages(circle_map, cells, ends), TWO_PI)
-    edges = np.unique(np.concatenate([theta, circle_map.breaks]))
-    if edges.size == 0:
-        return np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
-    between = np.stack([edges, np.append(edges[1:], edges[0] + TWO_PI)], axis=1)
-    holder = _holder(arcs, circle_map(np.mean(between, axis=1)))
-    return between[holder >= 0], mark[holder[holder >= 0]]
 
 
 def _holder(arcs: Array, theta: Array) -> Whole:

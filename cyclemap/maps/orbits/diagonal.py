@@ -124,8 +124,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     """How far from a whole turn each cell end still counts as on it, and the ends where that needs settling.
 
     Ends are counted 0, 1, 2, ...: the start of cell 0, its end, the start of cell 1, ... Only at extrema and breaks
-    can plain counting lose or double a root. A touch of an iterate makes touches of the extrema next to its
-    images, so that all points of one orbit are judged alike.
+    can plain counting lose or double a root. All points of one orbit are judged alike.
     """
     rising = is_rising(cells)
     special = np.flatnonzero((rising != np.roll(rising, 1)) | cells.cut)
@@ -137,8 +136,16 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
     allowed = TANGENCY + rounding + LIFT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
     gap = np.minimum(_gap(after), _gap(before))
-    if cells.period > 1:
-        allowed = _judged_alike(circle_map, cells, special, gap, allowed)
+    # A touch of an iterate makes touches of the extrema next to its images: their tolerances are raised.
+    touches, nodes, raised = gap <= allowed, cells.start[special], allowed.copy()
+    image, stretch, reach = nodes[touches], np.ones(np.count_nonzero(touches)), 4.0 * (gap + allowed)[touches]
+    for _ in range(cells.period - 1 if image.size else 0):
+        stretch = stretch * np.abs(circle_map.derivative(image))
+        image = np.mod(circle_map(image), TWO_PI)
+        mate = nearest_on_circle(nodes, image)
+        same = (np.abs(shorter_way(nodes[mate] - image)) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
+        raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
+    allowed = raised
     tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
     ends = np.concatenate([2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1])
     return tolerance, np.mod(ends, 2 * cells.size)
@@ -146,21 +153,6 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
 
 def _gap(g: Array) -> Array:
     return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
-
-
-def _judged_alike(circle_map: CircleMap, cells: Cells, special: Whole, gap: Array, allowed: Array) -> Array:
-    """The tolerances, raised at the extrema that the orbits of touches come by."""
-    image, stretch = cells.start[special[gap <= allowed]], np.ones(np.count_nonzero(gap <= allowed))
-    reach, raised = 4.0 * (gap + allowed)[gap <= allowed], allowed.copy()
-    nodes = cells.start[special]
-    for _ in range(cells.period - 1 if image.size else 0):
-        stretch = stretch * np.abs(circle_map.derivative(image))
-        image = np.mod(circle_map(image), TWO_PI)
-        mate = nearest_on_circle(nodes, image)
-        away = np.abs(shorter_way(nodes[mate] - image))
-        same = (away <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
-        raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
-    return raised
 
 
 def nearest_on_circle(nodes: Array, theta: Array) -> Whole:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
 from math import ceil, floor
 
 import numpy as np
@@ -19,18 +18,6 @@ SLACK = 1e-12  # radians: a smaller descent is rounding
 _GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Skeleton:
-    """Points (θ, F) in order over [0, 2π], F monotone between neighbours; a jump is one θ with two values.
-
-    steepest : the largest |F'| there.
-    """
-
-    theta: Array
-    value: Array
-    steepest: float
-
-
 def is_nondecreasing(circle_map: CircleMap) -> bool:
     """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the lift.
 
@@ -44,15 +31,12 @@ def largest_descent(circle_map: CircleMap) -> float:
     """The largest F(x) - F(y) over x < y, radians; 0 for a nondecreasing lift.
 
     Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see ``GRAIN``).
-
-    >>> largest_descent(CircleMap.arnold(0.2, 0.9)), round(largest_descent(CircleMap.arnold(0.2, 3.0)), 3)
-    (0.0, 3.195)
     """
     if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
         return 0.0
     smooth = circle_map.breaks.size == 0 and circle_map.pieces is None
     try:
-        value = _skeleton(circle_map).value
+        value = _skeleton(circle_map)[1]
     except ConvergenceError:
         if not smooth or np.max(-np.diff(circle_map(_GRID))) > 2.0 * circle_map.max_error:
             raise
@@ -76,8 +60,8 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
     True
     """
     _need_degree_one(circle_map)
-    skeleton = _skeleton(circle_map)
-    made = _with_plateaus(circle_map, *_plateaus(circle_map, skeleton, 1.0), SIDE_STEP * skeleton.steepest)
+    theta, value, steepest = _skeleton(circle_map)
+    made = _with_plateaus(circle_map, *_plateaus(circle_map, theta, value, 1.0), SIDE_STEP * steepest)
     return made if made is circle_map else made.remade_by(upper_envelope, circle_map)
 
 
@@ -89,11 +73,10 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
     True
     """
     _need_degree_one(circle_map)
-    skeleton = _skeleton(circle_map)
+    theta, value, steepest = _skeleton(circle_map)
     # x → -F(-x) swaps infimum from the right with supremum from the left.
-    mirrored = _Skeleton(-skeleton.theta[::-1], -skeleton.value[::-1], skeleton.steepest)
-    start, end, level = _plateaus(circle_map, mirrored, -1.0)
-    made = _with_plateaus(circle_map, -end[::-1], -start[::-1], -level[::-1], SIDE_STEP * skeleton.steepest)
+    start, end, level = _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
+    made = _with_plateaus(circle_map, -end[::-1], -start[::-1], -level[::-1], SIDE_STEP * steepest)
     return made if made is circle_map else made.remade_by(lower_envelope, circle_map)
 
 
@@ -102,7 +85,8 @@ def _need_degree_one(circle_map: CircleMap) -> None:
         raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
 
 
-def _skeleton(circle_map: CircleMap) -> _Skeleton:
+def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
+    """Points (θ, F) in order over [0, 2π], F monotone between neighbours, a jump one θ twice; the largest |F'|."""
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     g_start, g_end, cut_after = cells.g_start.copy(), cells.g_end.copy(), np.roll(cells.cut, -1)
     # The limits at a break, nearer than the cells read them.
@@ -113,13 +97,13 @@ def _skeleton(circle_map: CircleMap) -> _Skeleton:
     if cells.cut[0]:
         theta, value = np.append(theta, TWO_PI), np.append(value, value[0] + cells.climb)
     steepest = max(float(np.max(np.abs(cells.slope_start))), float(np.max(np.abs(cells.slope_end))))
-    return _Skeleton(theta, value, steepest)
+    return theta, value, steepest
 
 
-def _plateaus(circle_map: CircleMap, skeleton: _Skeleton, mirror: float) -> tuple[Array, Array, Array]:
+def _plateaus(circle_map: CircleMap, nodes: Array, values: Array, mirror: float) -> tuple[Array, Array, Array]:
     """Starts (one turn of them), ends and levels of the intervals where the running maximum exceeds F."""
-    theta = np.concatenate([skeleton.theta + TWO_PI * k for k in (-1, 0, 1)])
-    value = np.concatenate([skeleton.value + TWO_PI * k for k in (-1, 0, 1)])
+    theta = np.concatenate([nodes + TWO_PI * k for k in (-1, 0, 1)])
+    value = np.concatenate([values + TWO_PI * k for k in (-1, 0, 1)])
     highest = np.maximum.accumulate(value)
     under = value < highest - SLACK
     first = np.flatnonzero(under[1:] & ~under[:-1])
@@ -127,8 +111,7 @@ def _plateaus(circle_map: CircleMap, skeleton: _Skeleton, mirror: float) -> tupl
     after = after[after > first[0]] if first.size else after[:0]
     first = first[: after.size]
     begins = theta[first]
-    origin = skeleton.theta[0]
-    keep = (begins >= origin) & (begins < origin + TWO_PI)
+    keep = (begins >= nodes[0]) & (begins < nodes[0] + TWO_PI)
     first, after, level = first[keep], after[keep], highest[first[keep]]
     # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
     low, high = theta[after - 1] + INSET, theta[after] - INSET

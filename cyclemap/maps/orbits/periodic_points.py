@@ -65,32 +65,21 @@ class PeriodicPoints:
         """How many points there are."""
         return int(self.theta.size)
 
-    def __len__(self) -> int:
-        return self.count
-
     @property
     def stable(self) -> Mask:
         """Whether each point attracts from both sides."""
         return np.asarray(self.kind == "stable")
 
-    @property
-    def touching(self) -> Mask:
-        """Whether Fⁿ - id only touches 2πw at each point."""
-        return np.asarray(self.kind == "saddle-node")
-
 
 def periodic_points(circle_map: CircleMap, period: int, winding: int | None = None) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
 
-    One turn is cut into cells (512 of them or more; the samples of a sampled map, the breaks of Fⁿ and
-    the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
-    each cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
-    bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
-    Complete but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
-    milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding) count as one: a
-    "saddle-node" where the curve keeps its side, a crossing where it changes it. All points of an orbit are judged
-    alike.
-    A curve that ends within 1e-12 of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
+    One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each cell's ends meets Fⁿ at
+    inner probes, and split at the extrema of Fⁿ - id. Then every sign change is bracketed and solved to rounding
+    (Chandrupatla 1997, and Newton's steps). Complete but for pairs of extrema of a hump or dent of F narrower, at half
+    its height, than a tenth of a milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus
+    rounding) count as one: a "saddle-node" where the curve keeps its side, a crossing where it changes it; a curve that
+    ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit are judged alike.
 
     Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells.
 
@@ -104,14 +93,19 @@ def periodic_points(circle_map: CircleMap, period: int, winding: int | None = No
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     scan = diagonal_scan(circle_map, n)
-    roots = _polished(circle_map, _roots(scan, circle_map), n)
+    roots = _polished_roots(circle_map, scan, n)
     allowed = roots.rounding + TANGENCY * roots.at_touch
     residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
     bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
     right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
     prime = _prime_periods(circle_map, roots.theta, image, n, bound)
-    kind = _kinds(left, right, roots.role)
+    # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
+    flips = (left < 0.0) & (right < 0.0)
+    attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
+    neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= NEUTRAL
+    kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
+    kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
     found = PeriodicPoints(roots.theta, roots.winding, right, left, prime, kind, bound, image, n, residual)
     # Those with the wanted winding, read-only; links to points left out are cut.
     keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
@@ -122,8 +116,6 @@ def periodic_points(circle_map: CircleMap, period: int, winding: int | None = No
         array.setflags(write=False)
     return replace(found, **arrays)
 
-
-# -- roots -------------------------------------------------------------------------------------------------
 
 _CROSSING, _KINK, _TOUCH, _BORDER = range(4)
 
@@ -144,7 +136,8 @@ class _Roots:
         return np.asarray(self.role >= _TOUCH)
 
 
-def _roots(scan: DiagonalScan, circle_map: CircleMap) -> tuple[Array, Whole, Whole]:
+def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
+    """All roots, after Newton's steps with whole turns counted apart, as long as they help; sorted."""
     theta, whole, _ = roots_between(circle_map, scan.cells, 0.0, scan.turn_start, scan.turn_end)
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
@@ -152,12 +145,7 @@ def _roots(scan: DiagonalScan, circle_map: CircleMap) -> tuple[Array, Whole, Who
     theta = np.concatenate([theta, marked[:, 0]])
     whole = np.concatenate([whole, np.round(marked[:, 1]).astype(np.int64)])
     beyond = theta >= TWO_PI
-    return np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap, role
-
-
-def _polished(circle_map: CircleMap, found: tuple[Array, Whole, Whole], period: int) -> _Roots:
-    """Newton's steps with whole turns counted apart, as long as they help; then everything sorted."""
-    theta, whole, role = found
+    theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap
     residual, slope, rounding = displacement(circle_map, theta, period, whole)
     for _ in range(_POLISH):
         active = np.flatnonzero((role == _CROSSING) & (np.abs(residual) > 0.25 * rounding) & (slope != 1.0))
@@ -197,9 +185,6 @@ def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
         half[left] *= 2.0
         left = left[half[left] < np.pi]
     return bound
-
-
-# -- orbits among the roots ----------------------------------------------------------------------------------
 
 
 def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
@@ -264,16 +249,6 @@ def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     return right, left
 
 
-def _kinds(left: Array, right: Array, role: Whole) -> npt.NDArray[np.str_]:
-    # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
-    flips = (left < 0.0) & (right < 0.0)
-    attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
-    neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= NEUTRAL
-    kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
-    kind[role == _TOUCH], kind[role == _BORDER] = "saddle-node", "border-collision"
-    return kind
-
-
 _SAME = 1e-6  # radians: an orbit followed by iteration is closed when it comes back this near
 
 
@@ -314,10 +289,8 @@ class Orbit:
 def fixed_points(circle_map: CircleMap) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
-    Found and judged as in ``periodic_points`` with period 1: complete but for pairs of extrema that F
-    hides within a tenth of a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
-    kind "saddle-node", never two and never none. A fixed point on a kink carries both one-sided multipliers.
-    Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
+    Found and judged as in ``periodic_points`` with period 1. A fixed point on a kink carries both one-sided
+    multipliers. Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
 
     Raises InvalidInput when a whole arc is fixed (the identity), ConvergenceError when the map is too steep.
 
@@ -340,9 +313,25 @@ def periodic_orbits(circle_map: CircleMap, period: int, winding: int | None = No
     """
     wanted = None if winding is None else whole_number("winding", winding)
     found = periodic_points(circle_map, period)
-    orbits = _linked(found) + _followed(circle_map, found)
-    chosen = [orbit for orbit in orbits if wanted is None or orbit.winding == wanted]
-    return sorted(chosen, key=lambda orbit: float(orbit.points[0]))
+    # The index of the point where each point is after 0, 1, ..., n - 1 cycles; -1 where unknown.
+    visits = [np.arange(found.count)]
+    for _ in range(found.period - 1):
+        visits.append(np.where(visits[-1] >= 0, found.image[visits[-1]], -1))
+    table, orbits = np.stack(visits), []
+    broken, smallest = np.any(table < 0, axis=0), np.all(table >= table[0], axis=0)
+    for i in np.flatnonzero((found.prime_period == found.period) & (broken | smallest)).tolist():
+        points, bound = found.theta[table[:, i]], float(np.max(found.error_bound[table[:, i]]))
+        if broken[i]:  # an image is not in the list, at a jump: by iteration
+            points, bound = found.theta[[i]], float(found.error_bound[i])
+            for _ in range(found.period - 1):
+                points = np.append(points, np.mod(circle_map(points[-1]), TWO_PI))
+            if np.min(points) < points[0] - _SAME:
+                continue
+        turns, kind = int(found.winding[i]), str(found.kind[i])
+        if wanted is None or turns == wanted:
+            slopes = float(found.multiplier[i]), float(found.left_multiplier[i])
+            orbits.append(Orbit(read_only(points), found.period, turns, *slopes, kind == "stable", kind, bound))
+    return orbits
 
 
 def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
@@ -354,50 +343,3 @@ def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     if circle_map.breaks.size == 0:
         return []
     return sorted(diagonal_scan(circle_map, 1).jumps, key=lambda jump: jump.theta)
-
-
-# -- points to orbits --------------------------------------------------------------------------------------
-
-
-def _visits(found: PeriodicPoints) -> np.typing.NDArray[np.int64]:
-    """(n, count): the index of the point where each point is after 0, 1, ..., n - 1 cycles; -1 where unknown."""
-    rows = [np.arange(found.count)]
-    for _ in range(found.period - 1):
-        rows.append(np.where(rows[-1] >= 0, found.image[rows[-1]], -1))
-    return np.stack(rows)
-
-
-def _linked(found: PeriodicPoints) -> list[Orbit]:
-    """The orbits whose points are all in the list and linked."""
-    if found.count == 0:
-        return []
-    visits = _visits(found)
-    first = np.flatnonzero((found.prime_period == found.period) & np.all(visits >= visits[0], axis=0))
-    points = read_only(found.theta[visits[:, first]].T)
-    bounds = np.max(found.error_bound[visits[:, first]], axis=0)
-    rows = zip(points, *(column[first].tolist() for column in _columns(found)), bounds.tolist(), strict=True)
-    return [
-        Orbit(row, found.period, winding, right, left, kind == "stable", kind, bound)
-        for row, winding, right, left, kind, bound in rows
-    ]
-
-
-def _columns(found: PeriodicPoints) -> tuple[np.typing.NDArray[Any], ...]:
-    return found.winding, found.multiplier, found.left_multiplier, found.kind
-
-
-def _followed(circle_map: CircleMap, found: PeriodicPoints) -> list[Orbit]:
-    """The orbits with a point whose image is not in the list (at jumps), by iteration from their smallest point."""
-    if found.count == 0 or np.all(found.image >= 0):
-        return []
-    broken = np.any(_visits(found) < 0, axis=0) & (found.prime_period == found.period)
-    orbits = []
-    for i in np.flatnonzero(broken).tolist():
-        points = [float(found.theta[i])]
-        for _ in range(found.period - 1):
-            points.append(float(np.mod(circle_map(points[-1]), TWO_PI)))
-        if min(points) >= points[0] - _SAME:
-            winding, right, left, kind = (column[i].item() for column in _columns(found))
-            bound = float(found.error_bound[i])
-            orbits.append(Orbit(read_only(points), found.period, winding, right, left, kind == "stable", kind, bound))
-    return orbits

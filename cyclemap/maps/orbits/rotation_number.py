@@ -29,17 +29,16 @@ def birkhoff_average(
 ) -> Estimate:
     """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N.
 
-    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls faster than
-    any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity 30, 2017.) On a chaotic
-    orbit it is about that of a plain mean, 1/√N.
+    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls faster than any power of
+    1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity 30, 2017.) On a chaotic orbit it is about that
+    of a plain mean, 1/√N.
 
-    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a cycle,
-        which needs degree 1. -inf is allowed as a value and makes the mean -inf.
+    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a cycle, which needs
+        degree 1. -inf is allowed as a value and makes the mean -inf.
     start : radians; iterates : N, at least 16; transient : cycles run before the averaging begins.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first and the last half of
-    the orbit, which converge like the whole at half its length, plus rounding of a few units of the largest value.
-    It says how well this orbit's mean is known, in exact arithmetic on the map as given.
+    The error bound is estimated, not proved: the larger distance from the means over the first and the last half of the
+    orbit, which converge like the whole at half its length, plus rounding.
 
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
@@ -116,13 +115,11 @@ _ZOOMS = 6  # times that the search narrows around the best angle so far
 class LockingProof:
     """Two angles that prove ρ = p/q of a nondecreasing lift.
 
-    ratio : p/q in lowest terms.
-    below : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q.
-    above : radians, in [-π, 3π]: F^q(above) > above + 2πp, so ρ ≥ p/q.
+    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q, and
+        F^q(above) > above + 2πp, so ρ ≥ p/q.
 
-    A nondecreasing lift jumps only upwards, so going from ``above`` up to the next copy of ``below`` its
-    F^q - id - 2πp comes down through 0 continuously: an orbit of period q and winding p lies between.
-    ``periodic_orbits`` gives it.
+    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below`` lies an orbit of period
+    q and winding p: ``periodic_orbits`` gives it.
     """
 
     ratio: Fraction
@@ -164,25 +161,21 @@ def rotation_number(
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
-    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies
-    ρ ≥ p/n, and ≤ likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the
-    upper one of F + e. e adds up the map's ``max_error``, rounding, and what a lift taken as nondecreasing falls (≤
-    1e-12); by monotonicity no orbit of F lies below the one or above the other, so the bounds hold however F
-    amplifies errors, and they hold for every nondecreasing lift within ``max_error`` of F. About 1/iterates² wide
-    where ρ is irrational, F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being locked.
-
-    Proved, given that a computed image is F at an angle a few rounding units beside the one asked for, give or take
-    a few more: 4 units (8.9e-16) of 2π + max|F| in all. A lift that is computed worse must say so by
-    ``max_error``. Folds of F narrower than a tenth of a milliradian may pass unseen.
+    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies ρ ≥ p/n, and ≤
+    likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the upper one of F + e. e
+    adds up the map's ``max_error``, what a lift taken as nondecreasing falls (≤ 1e-12), and rounding; no orbit of F
+    lies below the one or above the other, so the bounds hold however F amplifies errors, for every nondecreasing lift
+    within ``max_error`` of F. Proved, given that a computed image is good to 4 units (8.9e-16) of 2π + max|F|: a lift
+    that is computed worse must say so by ``max_error``. Folds narrower than a tenth of a milliradian may pass unseen.
+    About 1/iterates² wide where ρ is irrational, F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being
+    locked.
 
     Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
-    with the two angles as ``proof``. At the very edge of a tongue the sides cannot be told apart: ``locked`` is
-    None and the bounds are wide. Otherwise ``estimate`` is ``birkhoff_average`` of the turn (near rounding for
-    smooth maps with Diophantine ρ), and ``value`` is the same where it lies inside the bounds.
+    with the two angles as ``proof``; at the very edge of a tongue the sides cannot be told apart. Otherwise
+    ``estimate`` is ``birkhoff_average`` of the turn, and ``value`` is the same where it lies inside the bounds.
 
-    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
-    ``rotation_interval``), ``estimate`` is that of the one orbit from θ = 0, and ``locked`` is set only when
-    the interval is one proved fraction.
+    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see ``rotation_interval``),
+    ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set only when the interval is one proved fraction.
 
     tolerance : turns a cycle; as soon as [lower, upper] is no wider than twice that, no further iterates are made.
 
@@ -245,9 +238,6 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
         raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
     count, longest = whole_number("iterates", iterates, least=16), whole_number("max_period", max_period, least=1)
     return _Budget(count, longest, non_negative_number("tolerance", tolerance))
-
-
-# -- nondecreasing lifts -----------------------------------------------------------------------------------
 
 
 def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
@@ -328,7 +318,12 @@ def _locking_proof(
     beside = np.concatenate([-_REACH, [0.0], _REACH])
     start, before = np.array([near]).T + beside, np.full(2, -1e9)
     for _ in range(_ZOOMS):
-        wanted = side * _gap(circle_map, ratio, -side * push, start)
+        theta, turns = start, np.zeros(start.shape)
+        for _ in range(ratio.denominator):
+            image = circle_map(theta) - side * push
+            lap = np.floor(image / TWO_PI)
+            theta, turns = image - TWO_PI * lap, turns + lap
+        wanted = side * ((theta - start) + TWO_PI * (turns - ratio.numerator))
         best, most = np.argmax(wanted, axis=1), np.max(wanted, axis=1)
         if np.all(most > _MARGIN):
             above, below = start[[0, 1], best].tolist()
@@ -341,16 +336,6 @@ def _locking_proof(
     return None
 
 
-def _gap(circle_map: CircleMap, ratio: Fraction, pushes: Array, start: Array) -> Array:
-    """F^q(θ) - θ - 2πp of F + push, one push a row, radians."""
-    theta, turns = start, np.zeros(start.shape)
-    for _ in range(ratio.denominator):
-        image = circle_map(theta) + pushes
-        lap = np.floor(image / TWO_PI)
-        theta, turns = image - TWO_PI * lap, turns + lap
-    return np.asarray((theta - start) + TWO_PI * (turns - ratio.numerator))
-
-
 def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) -> RotationNumber:
     mean = birkhoff_average(circle_map, iterates=iterates)
     estimate = Estimate(mean / TWO_PI, mean.error_bound / TWO_PI)
@@ -358,15 +343,8 @@ def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) 
     return RotationNumber(value, lower, upper, None, None, estimate)
 
 
-# -- fractions ---------------------------------------------------------------------------------------------
-
-
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction of smallest denominator in [low, high] (Stern-Brocot descent).
-
-    >>> simplest_between(Fraction(5, 17), Fraction(1, 3))
-    Fraction(1, 3)
-    """
+    """The fraction of smallest denominator in [low, high] (Stern-Brocot descent)."""
     if high < low:
         raise InvalidInput(f"the interval [{low}, {high}] is empty: give low <= high")
     whole = ceil(low)

@@ -31,9 +31,8 @@ class SlowPassage:
     passage_cycles : nπ/√(aε), cycles of F: the time from far on one side to far on the other, to leading order.
     direction : 1 when the orbit moves up through it, -1 down.
     relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that takes 84 % of the
-        passage; of order ε as ε → 0 at a smooth quadratic bottleneck. Measured, not proved: the true number is the
-        integral of dx/v, v the flow that interpolates the map (see ``slow_passages``). inf where that stretch holds
-        a zero of v, a break, or more than a turn.
+        passage; of order ε. Measured, not proved: the true number is the integral of dx/v, v the flow that interpolates
+        the map. inf where that stretch holds a zero of v, a break, or more than a turn.
     """
 
     theta: float
@@ -50,16 +49,13 @@ class SlowPassage:
 def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = None) -> list[SlowPassage]:
     """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their orbits are gone.
 
-    A bottleneck is a local extremum of the move Fⁿ - id - 2πw that lies on its own side of zero (a least upward
-    or a least downward move), by more than 1e-12 radians (nearer it is a saddle-node, see
-    ``periodic_points``), such that
-    - the passage π/√(aε) takes at least 10 cycles of F in all, and
-    - |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle: elsewhere orbits are faster.
-    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross.
-    A passage near an orbit of period n shows at each of its n points. Extrema where a divisor of n comes at least
-    as near are passages of that shorter period, and left out.
-    Extrema at kinks and jumps are left out: the parabola does not hold there (on a kink with slopes of the move
-    -s and t the passage takes about n(1/s + 1/t) ln(1/ε) cycles; no π/√(aε) applies).
+    A bottleneck is a smooth local extremum of the move Fⁿ - id - 2πw on its own side of zero (a least upward or a least
+    downward move), by more than 1e-12 radians (nearer it is a saddle-node, see ``periodic_points``), whose passage
+    π/√(aε) takes at least 10 cycles of F in all, and whose |ε| is at most half the mean of |Fⁿ - id - 2πw| over the
+    circle.
+    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross. A
+    passage near an orbit of period n shows at each of its n points; those of a divisor of n are left out, and so are
+    kinks and jumps, where the parabola does not hold.
 
     x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics and Chaos, 4.3).
     The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 + ..., so that dt = dx/v.
@@ -80,8 +76,23 @@ def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = 
     for d in range(1, n):  # left out where a divisor of the period comes at least as near
         angle = np.mod(circle_map(angle), TWO_PI)
         near &= (n % d != 0) | (np.abs(shorter_way(angle - theta)) > np.abs(gap))
-    passages = [_passage(circle_map, n, *place) for place in zip(theta[near], whole[near], gap[near], strict=True)]
-    return [passage for passage in passages if passage and passage.passage_cycles >= LEAST_CYCLES]
+    passages = []
+    for place, w, least in zip(theta[near].tolist(), whole[near].tolist(), gap[near].tolist(), strict=True):
+        # Half the second derivative: fourth-order differences of the slope, twice, at a step that suits the map.
+        tried, step = [], _STEP
+        for _ in range(6):
+            nodes = place + step * np.array([-2.0, -1.0, 1.0, 2.0])
+            slope = displacement(circle_map, nodes, n, np.zeros(4, dtype=np.int64))[1]
+            tried.append(float(slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step))
+            step *= 0.25
+        curvature = tried[int(np.argmin(np.abs(np.diff(tried)))) + 1]
+        if curvature * least <= 0.0 or n * np.pi / np.sqrt(curvature * least) < LEAST_CYCLES:
+            continue  # too flat for a parabola, or too quick
+        width, cycles = float(np.sqrt(least / curvature)), float(n * np.pi / np.sqrt(curvature * least))
+        error = _relative_error(circle_map, n, place, w, width, least, curvature)
+        way = 1 if least > 0.0 else -1
+        passages.append(SlowPassage(place, w, n, least, curvature, width, cycles, way, error))
+    return passages
 
 
 def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Whole, Array]:
@@ -98,29 +109,6 @@ def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tup
     mean = np.array([np.dot(weight, np.abs(middle - TWO_PI * w)) for w in whole])
     keep = (np.where(least, gap, -gap) > 0.0) & (np.abs(gap) <= _SHARE * mean)
     return theta[keep], whole[keep], gap[keep]
-
-
-def _passage(circle_map: CircleMap, period: int, theta: float, whole: int, gap: float) -> SlowPassage | None:
-    """The passage at one extremum, or None where the curve is too flat for a parabola."""
-    curvature = _curvature(circle_map, period, float(theta))
-    if not curvature * gap > 0.0:
-        return None
-    width, cycles = float(np.sqrt(gap / curvature)), float(period * np.pi / np.sqrt(curvature * gap))
-    error = _relative_error(circle_map, period, float(theta), int(whole), width, float(gap), curvature)
-    direction = 1 if gap > 0.0 else -1
-    return SlowPassage(float(theta), int(whole), period, float(gap), curvature, width, cycles, direction, error)
-
-
-def _curvature(circle_map: CircleMap, period: int, theta: float) -> float:
-    """Half the second derivative of Fⁿ: fourth-order differences of its slope, twice, at a step that suits the map."""
-    found, step = [], _STEP
-    for _ in range(6):
-        nodes = theta + step * np.array([-2.0, -1.0, 1.0, 2.0])
-        slope = displacement(circle_map, nodes, period, np.zeros(4, dtype=np.int64))[1]
-        found.append(float(slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step))
-        step *= 0.25
-    changes = np.abs(np.diff(found))
-    return found[int(np.argmin(changes)) + 1]
 
 
 def _relative_error(

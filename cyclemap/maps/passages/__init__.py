@@ -1,1 +1,1 @@
-"""How long noisy paths stay and where they go: passage times, quasi-stationary laws, slips."""
+"""How long noisy paths stay and where they go: passage times, hitting probabilities, survival."""

@@ -76,33 +76,16 @@ class Elimination:
     out: Array
     order: Whole
 
-    @property
-    def leaves(self) -> bool:
-        """Whether every state is left in the end, in floating point."""
-        return bool(np.all(np.diag(self.packed) > 0.0))
-
     def solve(self, reward: Array) -> Array:
         """(I - q)⁻¹ reward: what is collected on average until the chain leaves; shape (n,) or (n, columns)."""
         after = _triangular(self.packed, reward[self.order], upper=True)
         return self._restored(_triangular(self.packed, after))
 
-    def visits(self, mass: Array) -> Array:
-        """mass (I - q)⁻¹: mean numbers of visits of a chain that starts with ``mass`` on the states."""
-        after = _triangular(self.packed, mass[self.order], transposed=True)
-        return self._restored(_triangular(self.packed, after, upper=True, transposed=True))
-
-    def stationary(self) -> Array:
-        """The stationary law of a chain that never leaves, sum 1, each entry to full relative accuracy."""
-        first = np.zeros(self.order.size)
-        first[0] = 1.0
-        law = _triangular(self.packed, first, upper=True, transposed=True)
-        return self._restored(law / law.sum())
-
     def expected(self, reward: Array) -> tuple[Array, float, Array]:
         """x = (I - q)⁻¹ reward; x at the most visited state; and its differences from that, with their own digits."""
         sources = np.stack([reward[self.order], self.out], axis=1)
         collected, gone = _triangular(self.packed, sources, upper=True).T
-        if not self.leaves:
+        if not np.all(np.diag(self.packed) > 0.0):  # some state is never left, in floating point
             return np.full(reward.size, np.inf), np.inf, np.full(reward.size, np.nan)
         values = _triangular(self.packed, collected)
         # Before the first visit to that state: what is collected, and the chance of leaving.
@@ -127,43 +110,34 @@ def eliminated(q: Array, out: Array) -> Elimination:
     q : (n, n) chances of going from i to j (the diagonal is not used); out : (n,) of leaving. Every entry of what
     it solves has a small relative error whatever the sizes (O'Cinneide 1993).
     """
-    order = _by_visits(q)
-    work, left = q[np.ix_(order, order)], out[order]
-    for high in range(left.size, 0, -_BLOCK):
-        low = max(0, high - _BLOCK)
-        _eliminate_block(work, left, low, high)
-        work[:low, :low] += work[:low, low:high] @ work[low:high, :low]
-    pivot = np.diag(work).copy()
-    packed = np.negative(work, out=np.empty_like(work, order="F"))
-    np.fill_diagonal(packed, pivot)
-    return Elimination(packed, out[order], order)
-
-
-def _eliminate_block(work: Array, left: Array, low: int, high: int) -> None:
-    """Eliminate the states of a block among themselves, then towards those before it; all sums are of >= 0."""
-    inside = slice(low, high)
-    block, away = work[inside, inside], left[inside] + work[inside, :low].sum(axis=1)
-    for k in range(high - low - 1, -1, -1):
-        pivot = away[k] + np.sum(block[k, :k])
-        share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
-        block[k, k], block[:k, k] = pivot, share
-        block[:k, :k] += np.multiply.outer(share, block[k, :k])
-        away[:k] += share * away[k]
-    pivots = np.diag(block)
-    factors = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1) - np.triu(block, 1)
-    left[inside] = _triangular(factors, left[inside], upper=True)
-    work[inside, :low] = _triangular(factors, work[inside, :low], upper=True)
-    work[:low, inside] = _triangular(factors, work[:low, inside].T, transposed=True).T
-    left[:low] += work[:low, inside] @ left[inside]
-
-
-def _by_visits(q: Array) -> Whole:
-    """States in falling order of visits: each that is eliminated then has a fair chance to go to one that is not."""
-    mass = np.full(q.shape[0], 1.0 / q.shape[0])
+    # In falling order of visits: each state that is eliminated then has a fair chance to go to one that is not.
+    mass = np.full(out.size, 1.0 / out.size)
     for _ in range(_VISITS):
         mass = mass @ q
         mass /= max(mass.sum(), np.finfo(float).tiny)
-    return np.argsort(-mass, kind="stable")
+    order = np.argsort(-mass, kind="stable")
+    work, left = q[np.ix_(order, order)], out[order]
+    for high in range(left.size, 0, -_BLOCK):
+        low = max(0, high - _BLOCK)
+        inside = slice(low, high)
+        # The states of a block among themselves, then towards those before it; all sums are of >= 0.
+        block, away = work[inside, inside], left[inside] + work[inside, :low].sum(axis=1)
+        for k in range(high - low - 1, -1, -1):
+            pivot = away[k] + np.sum(block[k, :k])
+            share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
+            block[k, k], block[:k, k] = pivot, share
+            block[:k, :k] += np.multiply.outer(share, block[k, :k])
+            away[:k] += share * away[k]
+        pivots = np.diag(block)
+        factors = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1) - np.triu(block, 1)
+        left[inside] = _triangular(factors, left[inside], upper=True)
+        work[inside, :low] = _triangular(factors, work[inside, :low], upper=True)
+        work[:low, inside] = _triangular(factors, work[:low, inside].T, transposed=True).T
+        left[:low] += work[:low, inside] @ left[inside]
+        work[:low, :low] += work[:low, inside] @ work[inside, :low]
+    packed = np.negative(work, out=np.empty_like(work, order="F"))
+    np.fill_diagonal(packed, np.diag(work))
+    return Elimination(packed, out[order], order)
 
 
 def _triangular(packed: Array, values: Array, *, upper: bool = False, transposed: bool = False) -> Array:
@@ -194,11 +168,9 @@ def killed_chain(
 ) -> KilledChain:
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels
-    of nodes end at every sample of a sampled map. stretch : factor on the nodes' bandwidth.
-
-    Raises InvalidInput when the noise is so narrow that more than ``most`` nodes would be needed, and for
-    ``UniformNoise``, whose density jumps.
+    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes
+        end at every sample of a sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more
+        than ``most`` nodes would be needed, and for ``UniformNoise``, whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
@@ -244,13 +216,6 @@ class KilledChain:
         """The chain on its own nodes, eliminated."""
         return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
 
-    def with_noise(self, noise: Noise) -> KilledChain:
-        """The same map, arcs and exits under another noise, on nodes for it."""
-        most = max(MAX_UNKNOWNS, self.theta.size)
-        return killed_chain(
-            self.map, noise, self.arcs, self.exits, self.lifted, every_sample=self.every_sample, most=most
-        )
-
     def distance(self, gap: Array) -> Array:
         """How far a noise must carry the path over a gap, at least: the shorter way where it is on the circle."""
         return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
@@ -261,49 +226,24 @@ class KilledChain:
         theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
         return replace(self, theta=theta, weight=weight)
 
-    # -- chances and their derivatives ---------------------------------------------------------------------
-
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
         return (self.noise.line_density(gap) if self.lifted else self.noise.density(gap)) * self.weight
 
-    def transition_slopes(self, images: Array) -> Array:
-        """(m, n): d/dF of ``transitions``."""
-        gap = self.theta - images[:, None]
-        return -(self.noise.line_slope(gap) if self.lifted else self.noise.slope(gap)) * self.weight
-
-    def transition_rates(self, images: Array) -> Array:
-        """(m, n): d/d(the noise's parameter) of ``transitions``."""
-        gap = self.theta - images[:, None]
-        return (self.noise.line_rate(gap) if self.lifted else self.noise.rate(gap)) * self.weight
-
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
         if not self.lifted:
             return np.array([self.noise.arc_probability(low - images, high - images) for low, high in self.exits])
-        beyond = [self._half_line(exit_ends, images) for exit_ends in self.exits]
-        return np.array([self.noise.exceedance(gap) for gap in beyond])
+        # An exit is (-inf, end) or (end, inf): how far the noise must carry the image to enter it.
+        gaps = [low - images if np.isinf(high) else images - high for low, high in self.exits]
+        return np.array([self.noise.exceedance(gap) for gap in gaps])
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
         law = self.noise.line_density if self.lifted else self.noise.density
         ends = [(law(low - images), law(high - images)) for low, high in self.exits]
         return np.array([at_low - at_high for at_low, at_high in ends])
-
-    def departure_rates(self, images: Array) -> Array:
-        """(exits, m): d/d(the noise's parameter) of ``departures``."""
-        if not self.lifted:
-            return np.array([self.noise.arc_probability_rate(low - images, high - images) for low, high in self.exits])
-        return np.array([self.noise.exceedance_rate(self._half_line(ends, images)) for ends in self.exits])
-
-    @staticmethod
-    def _half_line(exit_ends: Arc, images: Array) -> Array:
-        """How far the noise must carry the image to enter an exit (-inf, end) or (end, inf)."""
-        low, high = exit_ends
-        return np.asarray(low - images if np.isinf(high) else images - high)
-
-    # -- expectations --------------------------------------------------------------------------------------
 
     def expected(self, each: float, at: Array) -> Expectation:
         """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on leaving by exit e."""
@@ -339,12 +279,6 @@ class Expectation:
         """X(θ)."""
         return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
 
-    def map_slope(self, images: Array, chain: KilledChain, change: Array) -> Array:
-        """How fast c + ∫ g(y - F) X dy grows with F alone; ``change`` is X - top on the nodes of ``chain``."""
-        return np.asarray(
-            (self.at - self.top) @ chain.departure_slopes(images) + chain.transition_slopes(images) @ change
-        )
-
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's ``max_error``.
 
@@ -354,35 +288,29 @@ class Expectation:
         chain, fine = self.chain, self.chain.finer()
         images = np.append(chain.images, chain.map(theta))
         on_fine = self.values_at(fine.images)
-        residual, size = self._residual(images, fine, on_fine)
-        slope = np.abs(self.map_slope(images, fine, on_fine[1]))
+        # X - c - ∫ g X dy at the images, and the sum of its terms' sizes: of the two forms the better. A constant part
+        # of X, however large, drops out of the second one exactly.
+        moves, gone, here, forms = fine.transitions(images), fine.departures(images), self.values_at(images), []
+        for value, around, top in zip(here, on_fine, (0.0, self.top), strict=True):
+            stay, lost = value * moves.sum(axis=1), value * gone.sum(axis=0) - (self.at - top) @ gone
+            terms = np.abs(lost) + np.abs(stay) + moves @ np.abs(around) + self.each
+            forms.append((terms, lost + stay - moves @ around - self.each))
+        (size, residual), (other_size, other) = forms
+        residual, size = np.where(size <= other_size, residual, other), np.minimum(size, other_size)
+        padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
+        widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
+        # How fast c + ∫ g(y - F) X dy grows with F alone.
+        gap = fine.theta - images[:, None]
+        pushed = (chain.noise.line_slope(gap) if chain.lifted else chain.noise.slope(gap)) * fine.weight @ on_fine[1]
+        slope = np.abs((self.at - self.top) @ fine.departure_slopes(images) - pushed)
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
-        own = _widened(np.abs(residual)) + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
+        own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
         sources = np.stack([own, slope * chain.map.max_error], axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
             bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(sources[:-1])
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
         return float(own_bound), float(from_map) if chain.map.max_error else 0.0
-
-    def _residual(self, images: Array, fine: KilledChain, on_fine: tuple[Array, Array]) -> tuple[Array, Array]:
-        """X - c - ∫ g X dy at points of given images, and the sum of its terms' sizes: of the two forms the better."""
-        moves, gone, here = fine.transitions(images), fine.departures(images), self.values_at(images)
-        forms = []
-        # A constant part of X, however large, drops out of the second form exactly.
-        for value, around, top in zip(here, on_fine, (0.0, self.top), strict=True):
-            stay, lost = value * moves.sum(axis=1), value * gone.sum(axis=0) - (self.at - top) @ gone
-            size = np.abs(lost) + np.abs(stay) + moves @ np.abs(around) + self.each
-            forms.append((lost + stay - moves @ around - self.each, size))
-        (residual, size), (other, other_size) = forms
-        better = size <= other_size
-        return np.where(better, residual, other), np.where(better, size, other_size)
-
-
-def _widened(values: Array) -> Array:
-    """The largest of each value and its neighbours: what lies between the nodes."""
-    padded = np.concatenate([values[:1], values, values[-1:]])
-    return np.asarray(np.maximum(np.maximum(padded[:-2], padded[2:]), values))
 
 
 def arc_chain(

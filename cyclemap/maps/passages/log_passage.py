@@ -20,6 +20,7 @@ from cyclemap.maps.passages.killed_chain import (
     KilledChain,
     arc_chain,
     arc_ends,
+    killed_chain,
     required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
@@ -52,18 +53,16 @@ def log10_passage_time(
 
     Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond, for
     ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from it over the chance of
-    leaving in one, and T(start) is that times the chance of reaching that node first. The chance of leaving is
-    sought from transitions multiplied by h(y)/h(x), with h(x) nearly the chance of leaving from x before the next
-    visit (Doob's transform): along the likely ways out they are of order one, however rare these are. Each node then
-    has a few dozen moves that count, and sparse sweeps solve it; a first h comes from twice as wide a noise,
-    where σ² ln h is nearly the same (large deviations). Where the path may stay elsewhere for thousands of cycles
-    the sweeps do not end, and up to 6000 nodes are eliminated without subtraction instead.
+    leaving in one, and T(start) is that times the chance of reaching that node first. The chance of leaving is sought
+    from transitions multiplied by h(y)/h(x), h(x) nearly the chance of leaving from x before the next visit (Doob's
+    transform): along the likely ways out they are of order one. Sparse sweeps over the few dozen moves that count solve
+    it; a first h comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations). Where the path
+    may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated without subtraction instead.
 
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and 2e-14 of ln T for
     rounding; measured, and without the map's ``max_error``.
 
-    progress : called with the fraction done, at most, after each of up to five solutions: sweeps take seconds, an
-        elimination of 6000 nodes a minute. An exception from it ends the work.
+    progress : called with the fraction done, at most, after each of up to five solutions. An exception ends the work.
 
     Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than 60,000
     nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two parts of the arc are each left
@@ -102,34 +101,26 @@ def log10_passage_time(
 
 def _log_time(chain: KilledChain, start: float) -> float:
     """ln T(start) for a long passage under normal noise: by sweeps, or by elimination where they do not end."""
-    found = _swept(chain, start)
-    if found is None and chain.theta.size > MAX_UNKNOWNS:
-        raise ConvergenceError(
-            f"the path stays for too long in several parts of the arc for {chain.theta.size} nodes: raise the noise"
-        )
-    return _eliminated(chain, start) if found is None else found
-
-
-# -- sweeps over the moves that count ------------------------------------------------------------------------
-
-
-def _swept(chain: KilledChain, start: float) -> float | None:
-    """ln T(start) from sparse sweeps; None where they do not end."""
-    out = _log_departures(chain)
-    chances = _moves(chain, np.zeros(chain.theta.size), out)
-    mass = np.ones(chain.theta.size)
+    out, size = _log_departures(chain), chain.theta.size
+    chances, mass = _moves(chain, np.zeros(size), out), np.ones(size)
     for _ in range(64):
         mass = mass @ chances
         mass /= max(mass.sum(), np.finfo(float).tiny)
     first = int(np.argmax(mass))
-    onto = chances[:, [first]].toarray().ravel()
     away = _without(chances, first)
-    excursion, returns = _fixed(away, np.ones_like(mass)), _fixed(away, onto)
+    excursion, returns = _fixed(away, np.ones(size)), _fixed(away, chances[:, [first]].toarray().ravel())
     log_h = None if excursion is None or returns is None else _log_chance(chain, first, out)
-    if log_h is None or excursion is None or returns is None:
-        return None
-    returns[first] = 1.0
-    return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
+    if log_h is not None and excursion is not None and returns is not None:
+        returns[first] = 1.0
+        return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
+    if size > MAX_UNKNOWNS:
+        raise ConvergenceError(
+            f"the path stays for too long in several parts of the arc for {size} nodes: raise the noise"
+        )
+    return _eliminated(chain, start)
+
+
+# -- sweeps over the moves that count ------------------------------------------------------------------------
 
 
 def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
@@ -139,7 +130,9 @@ def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
         moves[:, first] = -np.inf
         log_h = _log_leaving(moves, out)
     else:
-        wider = chain.with_noise(WrappedNormal(2.0 * chain.noise.variance**0.5))
+        noise, most = WrappedNormal(2.0 * chain.noise.variance**0.5), max(MAX_UNKNOWNS, chain.theta.size)
+        settings = chain.map, noise, chain.arcs, chain.exits, chain.lifted
+        wider = killed_chain(*settings, every_sample=chain.every_sample, most=most)
         if wider.theta.size >= chain.theta.size:  # as coarse as the map allows, and still too fine
             return None
         at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
@@ -197,7 +190,10 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
         column = (begin[block, None] + np.arange(_BLOCK)).ravel()
         row = np.repeat(row, _BLOCK)[column < size]
         column = column[column < size]
-        term = value[column] + _log_kick(chain, theta[column] - image[row, 0])
+        near = chain.distance(theta[column] - image[row, 0])
+        term = value[column] - 0.5 * (near / sigma) ** 2
+        if not chain.lifted:  # from the two nearest images
+            term = np.logaddexp(term, value[column] - 0.5 * ((TWO_PI - near) / sigma) ** 2)
         kept = term > least[row]
         rows.append(at + row[kept])
         columns.append(column[kept])
@@ -222,7 +218,13 @@ def _eliminated(chain: KilledChain, start: float) -> float:
     out = _log_departures(chain)[order]
     log_h = _log_leaving(moves, out)
     tilted = np.exp(moves + log_h - log_h[:, None])
-    _given_pivots(tilted, pivot)
+    for high in range(pivot.size, 0, -_TOGETHER):  # with known pivots: U stands above the diagonal afterwards
+        low = max(0, high - _TOGETHER)
+        for k in range(high - 1, low - 1, -1):
+            tilted[:k, k] /= pivot[k]
+            tilted[:k, low:k] += np.multiply.outer(tilted[:k, k], tilted[k, low:k])
+            tilted[low:k, :low] += np.multiply.outer(tilted[low:k, k], tilted[k, :low])
+        tilted[:low, :low] += tilted[:low, low:high] @ tilted[low:high, :low]
     leaving = np.log(_collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
     return float(np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns())))
 
@@ -240,17 +242,6 @@ def _collected(shares: Array, reward: Array) -> float:
     return float(after[0])
 
 
-def _given_pivots(work: Array, pivot: Array) -> None:
-    """Eliminate with known pivots, in place: U stands above the diagonal afterwards."""
-    for high in range(pivot.size, 0, -_TOGETHER):
-        low = max(0, high - _TOGETHER)
-        for k in range(high - 1, low - 1, -1):
-            work[:k, k] /= pivot[k]
-            work[:k, low:k] += np.multiply.outer(work[:k, k], work[k, low:k])
-            work[low:k, :low] += np.multiply.outer(work[low:k, k], work[k, :low])
-        work[:low, :low] += work[:low, low:high] @ work[low:high, :low]
-
-
 def _log_leaving(moves: Array, out: Array) -> Array:
     """ln of the chance h of leaving before the next visit of the first state: h = out + K h, iterated from out."""
     value: Array = out
@@ -264,17 +255,6 @@ def _log_leaving(moves: Array, out: Array) -> Array:
     raise ConvergenceError(
         f"the chance of leaving still grows by a factor {np.exp(change):.3g} a round: raise the noise"
     )
-
-
-# -- logarithms of chances -----------------------------------------------------------------------------------
-
-
-def _log_kick(chain: KilledChain, gap: Array) -> Array:
-    """ln of the noise's density at gaps, but for its height; on the circle from the two nearest images."""
-    sigma, near = chain.noise.variance**0.5, chain.distance(gap)
-    if chain.lifted:
-        return np.asarray(-0.5 * (near / sigma) ** 2)
-    return np.asarray(np.logaddexp(-0.5 * (near / sigma) ** 2, -0.5 * ((TWO_PI - near) / sigma) ** 2))
 
 
 def _log_transitions(chain: KilledChain) -> Array:
@@ -294,14 +274,10 @@ def _log_departures(chain: KilledChain) -> Array:
         return np.asarray(
             np.logaddexp(log_ndtr((chain.images - end) / sigma), log_ndtr((start - chain.images) / sigma))
         )
-    low = np.mod(end - chain.images, TWO_PI)
-    exits = [_log_between((low + turn) / sigma, (low + turn + start + TWO_PI - end) / sigma) for turn in _TURNS]
-    return np.asarray(np.logaddexp.reduce(exits, axis=0))
-
-
-def _log_between(low: Array, high: Array) -> Array:
-    """ln P(low < ξ < high) for standard normal ξ, without cancellation where it is small."""
+    low = np.mod(end - chain.images, TWO_PI) + _TURNS[:, None]
+    high = low + start + TWO_PI - end
+    # P(low < ξ < high) for each turn, without cancellation where it is small.
     mirrored = low + high < 0.0
     near, far = np.where(mirrored, -high, low), np.where(mirrored, -low, high)
-    most = log_ndtr(-near)
-    return np.asarray(most + np.log1p(-np.exp(log_ndtr(-far) - most)))
+    most = log_ndtr(-near / sigma)
+    return np.asarray(np.logaddexp.reduce(most + np.log1p(-np.exp(log_ndtr(-far / sigma) - most)), axis=0))

@@ -1,16 +1,15 @@
-"""Mean passage times and hitting probabilities of a noisy circle map, and how they change."""
+"""Mean passage times, hitting probabilities and survival of a noisy circle map."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.checks import finite_number, whole_number
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.bounded_noise import UniformNoise
@@ -26,13 +25,10 @@ from cyclemap.maps.passages.killed_chain import (
     required_inside,
 )
 
-Tangent = Callable[[Array], Array]
-
 LONGEST = 1e300  # cycles: a longer passage is given as inf
 _GOOD = 1e-9  # relative error bound with which few nodes will do
 _ACCEPTED = 1e-6  # relative error bound that is accepted at all
 _BESIDE = 0.01  # share of what the map's own error makes uncertain, below which more nodes are of no use
-_STRETCH = 1.3  # bandwidth of the second solution of a response over that of the first
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
@@ -50,19 +46,18 @@ def mean_passage_time(
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
     lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
         path on the real line, where the arc may be a whole turn.
-    progress : called with the fraction done, at most, where uniform noise is resolved, which takes seconds where it
-        is narrow. An exception from it ends the work.
+    progress : called with the fraction done, at most, where uniform noise is resolved. An exception from it ends the
+        work.
 
-    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
-    between the map's breaks and samples (Nyström). The system is eliminated without subtraction from the
-    exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep
-    their digits; inf above 1e300, where ``log10_passage_time`` goes on. ``UniformNoise`` has a method of its own.
+    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels between the map's
+    breaks and samples (Nyström), is eliminated without subtraction from the exactly known chances of leaving
+    (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep their digits; inf above 1e300, where
+    ``log10_passage_time`` goes on. ``UniformNoise`` has a method of its own.
 
-    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
-    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952). That comparison is
-    proved; r and Φ are measured on nodes. The map's ``max_error`` is included to first order. Where an arc
-    holds several deep wells the residual drowns in rounding; the bound is then ten times the difference
-    from a solution on other nodes. ConvergenceError when the bound, ``max_error`` apart, exceeds 1e-6 of the time.
+    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding included, Φ = (I - K)⁻¹|r|
+    bounds the error, since K is positive (Collatz 1952): proved; r and Φ are measured on nodes. The map's ``max_error``
+    is included to first order. Where several deep wells drown the residual in rounding, the bound is ten times the
+    difference from a solution on other nodes. ConvergenceError when it exceeds 1e-6 of the time, ``max_error`` apart.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> stuck = CircleMap.arnold(0.1, 0.9)
@@ -139,77 +134,28 @@ def _certified(make: Callable[..., KilledChain], start: float, each: float, at: 
     return Estimate(value, own + from_map)
 
 
-# -- how a passage time changes ------------------------------------------------------------------------------
+def survival_probabilities(
+    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, cycles: int, *, lifted: bool = False
+) -> Array:
+    """P(the path from ``start`` has not left ``arc`` in n cycles) for n = 0, ..., ``cycles``: shape (cycles + 1,).
 
-
-@dataclass(frozen=True)
-class PassageResponse:
-    """Made by ``passage_response``: a mean passage time in cycles and its derivatives.
-
-    to_map : per unit of the parameter whose ``tangent`` was given, None without one. to_noise : per unit of the noise's
-    own parameter. to_start : per radian of the start. to_arc_start, to_arc_end : per radian of the arc's ends.
-    """
-
-    time: Estimate
-    to_map: Estimate | None
-    to_noise: Estimate
-    to_start: Estimate
-    to_arc_start: Estimate
-    to_arc_end: Estimate
-
-
-def passage_response(
-    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, tangent: Tangent | None = None, *, lifted: bool = False
-) -> PassageResponse:
-    """The mean passage time of ``mean_passage_time`` and its derivatives.
-
-    tangent : ∂F/∂p as a vectorised callable of θ, radians a unit of p. For a map with jumps, p must leave the
-        jumps where they are. The other arguments are those of ``mean_passage_time``.
-
-    T = 1 + K T gives δT = (I - K)⁻¹ δK T (first-order perturbation, Kato 1966): one more solution with the
-    same elimination for each. The derivatives of K's constant part are taken from the chances of leaving, so that even
-    those of 1e100 cycles keep their digits. ``error_bound``: three times the difference from a solution on other
-    nodes and 1e-13 of the terms; measured, and without the map's ``max_error``.
-
-    Raises InvalidInput as ``mean_passage_time``, for a tangent of the wrong shape, and for ``UniformNoise``, whose
-    density has no slope; ConvergenceError for passages beyond 1e300 cycles.
+    S_0 = 1, S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; arguments as for ``mean_passage_time``,
+    which is the sum of S_n over all n. Rows of transitions are scaled to the exactly known chances of staying; the
+    relative error grows with n, by about 1e-15 a cycle.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> stuck = CircleMap.arnold(0.1, 0.9)
-    >>> found = passage_response(stuck, WrappedNormal(0.3), 0.77, (0.0, 1.6), lambda theta: -np.sin(theta))
-    >>> found.to_noise < 0 < found.to_arc_end  # more noise shortens the passage, a longer arc lengthens it
+    >>> chances = survival_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77, (0.0, 1.5), 2)
+    >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])
     True
     """
-    ends = arc_ends(arc, "arc", whole=lifted)
+    count, ends = whole_number("cycles", cycles, least=0), arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    (first, sizes), (second, _) = (
-        _responses(arc_chain(circle_map, noise, ends, lifted, stretch=stretch), inside, tangent)
-        for stretch in (1.0, _STRETCH)
-    )
-    bounds = 3.0 * np.abs(first - second) + ELIMINATION * sizes
-    time, to_map, *others = (Estimate(value, bound) for value, bound in zip(first, bounds, strict=True))
-    return PassageResponse(time, None if tangent is None else to_map, *others)
-
-
-def _responses(chain: KilledChain, start: float, tangent: Tangent | None) -> tuple[Array, Array]:
-    """T and its derivatives by map, noise, start and the arc's ends; and the sums of their terms' sizes."""
-    expected = chain.expected(1.0, np.zeros(len(chain.exits)))
-    if not abs(expected.top) < LONGEST:
-        raise ConvergenceError("the passage takes more than 1e300 cycles: raise the noise or shorten the arc")
-    here, density = np.array([start]), chain.noise.line_density if chain.lifted else chain.noise.density
-    points, images = np.append(chain.theta, start), np.append(chain.images, chain.map(here))
-    slope = expected.map_slope(images, chain, expected.change)
-    pushed = np.zeros_like(points) if tangent is None else np.asarray(tangent(points), dtype=np.float64)
-    if pushed.shape != points.shape or not np.all(np.isfinite(pushed)):
-        raise InvalidInput(
-            f"tangent turns shape {points.shape} into {pushed.shape}: it must act entry by entry, finite"
-        )
-    by_noise = chain.transition_rates(images) @ expected.change
-    by_noise -= expected.top * chain.departure_rates(images).sum(axis=0)
-    # Moving an end outward turns chances of leaving into chances of going to that end.
-    low, high = (density(end - images) * expected.value_at(end) for end in chain.arcs[0])
-    table, last_moves = np.stack([slope * pushed, by_noise, -low, high], axis=1), chain.transitions(images[-1:])[0]
-    # (I - K)⁻¹ of each source at the nodes and, last, at the start: its value there.
-    spread, size = (last_moves @ chain.elimination.solve(part[:-1]) + part[-1] for part in (table, np.abs(table)))
-    to_start, value = float(slope[-1] * chain.map.derivative(here)[0]), expected.value_at(start)
-    return np.array([value, *spread[:2], to_start, *spread[2:]]), np.array([value, *size[:2], abs(to_start), *size[2:]])
+    chain = arc_chain(circle_map, noise, ends, lifted)
+    images = np.append(chain.images, circle_map(inside))
+    moves = chain.transitions(images)
+    moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]
+    staying, chances = np.ones(chain.theta.size), np.ones(count + 1)
+    for n in range(1, count + 1):
+        after = moves @ staying
+        staying, chances[n] = after[:-1], after[-1]
+    return chances

@@ -68,7 +68,7 @@ class Reach:
         target or the basin so far. A domain that takes more than 3000 cycles to cross (a gap that opens by less
         than about 1e-6 of its width) is left as it is then: chances there are below 1e-300.
         """
-        found = self.before(target, _none(target.wrapped))
+        found = self.before(target, Intervals(np.zeros(0), np.zeros(0), target.wrapped))
         for _ in range(_CYCLES):
             more = self.before(target, found)
             if more.length <= found.length + _GROWTH:
@@ -78,7 +78,8 @@ class Reach:
 
     def ahead(self, start: float) -> Intervals:
         """A part of the domain, and little more than need be, that paths from ``start`` stay in until they leave it."""
-        found = self._after(np.array([start]), np.array([start]), _WIDER, _none(self.domain.wrapped))
+        nothing = Intervals(np.zeros(0), np.zeros(0), self.domain.wrapped)
+        found = self._after(np.array([start]), np.array([start]), _WIDER, nothing)
         for _ in range(_CYCLES_AHEAD):
             if found.length == 0.0:
                 return found
@@ -105,7 +106,10 @@ class Reach:
     def before(self, target: Intervals, basin: Intervals) -> Intervals:
         """The part of the domain whose next positions meet ``target`` or ``basin``."""
         wanted = Intervals(np.append(target.start, basin.start), np.append(target.end, basin.end), target.wrapped)
-        pieces = self._pieces(wanted)
+        # On each of the pieces all next positions meet the same of the intervals.
+        ends = np.concatenate([wanted.start, wanted.end])
+        levels = np.concatenate([ends + self.halfwidth, ends - self.halfwidth])
+        pieces = self.cut(self.preimages(levels[np.isfinite(levels)]))
         middle = self.map(0.5 * (pieces[1:] + pieces[:-1]))
         inside = self.domain.hold(0.5 * (pieces[1:] + pieces[:-1]))
         meets = inside & wanted.overlaps(middle - self.halfwidth, middle + self.halfwidth)
@@ -118,12 +122,6 @@ class Reach:
         kept = self.domain.hold(middle) & ~part.hold(middle) & (np.diff(pieces) > _GROWTH)
         return _joined(pieces, kept, self.domain.wrapped)
 
-    def _pieces(self, wanted: Intervals) -> Array:
-        """Ends of pieces of the domain on each of which all next positions meet the same of the intervals."""
-        ends = np.concatenate([wanted.start + self.halfwidth, wanted.start - self.halfwidth])
-        ends = np.concatenate([ends, wanted.end + self.halfwidth, wanted.end - self.halfwidth])
-        return self.cut(self.preimages(ends[np.isfinite(ends)]))
-
     def preimages(self, levels: Array) -> Array:
         """Angles of [0, 2π) whose images, up to whole turns, are among ``levels``; F's breaks with them."""
         steps = level_steps(self.map, self.cells, np.mod(levels, TWO_PI))
@@ -135,10 +133,6 @@ class Reach:
         first = low + np.mod(theta - low, TWO_PI)
         inner = np.concatenate([self.domain.start, self.domain.end, first, np.mod(theta, TWO_PI)])
         return np.unique(inner[(inner >= low) & (inner <= high)])
-
-
-def _none(wrapped: bool) -> Intervals:
-    return Intervals(np.zeros(0), np.zeros(0), wrapped)
 
 
 def _joined(pieces: Array, keep: Mask, wrapped: bool) -> Intervals:
@@ -168,23 +162,16 @@ def uniform_passage_time(
     max_panels: int = MAX_PANELS,
     progress: Callable[[float], None] | None = None,
 ) -> Estimate:
-    """Mean number of cycles until θ' = F(θ) + ξ, ξ uniform on [-h, h], from ``start`` is first outside the arc.
+    """``mean_passage_time`` under uniform noise on [-h, h], from ``start`` inside the arc ``ends``, radians.
 
-    start : radians, inside the arc ``ends`` (start, end), which is left in the sense of ``mean_passage_time``.
-
-    T(x) = 1 + (S(F(x) + h) - S(F(x) - h))/2h, S the antiderivative of T, zero outside the arc: by collocation on
-    panels that end where T kinks (F(x) ± h at an end of the arc or at an earlier kink) or jumps (F's breaks), and
-    are cut until T's last coefficients are below 1e-12, or there are ``max_panels``.
-    inf where the path can come, with a chance above zero, to a part of the arc that the noise is too small to
-    leave: that part is found as a set of intervals.
+    T(x) = 1 + (S(F(x) + h) - S(F(x) - h))/2h, S the antiderivative of T, zero outside the arc: by collocation on panels
+    that end where T kinks (F(x) ± h at an end of the arc or at an earlier kink) or jumps (F's breaks), and are cut
+    until T's last coefficients are below 1e-12, or there are ``max_panels``. inf where the path can come to a part of
+    the arc that the noise is too small to leave: that part is found as a set of intervals.
 
     ``error_bound``: with r a bound on the residual of the computed T, |T - computed| <= r T, since the equation's
-    kernel is positive (Collatz 1952): proved; r is twice the residual's maximum over three times as many
-    angles, and rounding, so measured. It grows like 1e-14 T, relative; ConvergenceError where it would reach T/2.
-
-    >>> time = uniform_passage_time(CircleMap.rigid(0.0), UniformNoise(0.5), 0.1, (0.0, 0.4))
-    >>> round(time, 12), time.error_bound < 1e-12  # every step leaves with chance 1 - 0.4/1.0
-    (1.666666666667, True)
+    kernel is positive (Collatz 1952): proved; r is measured, see ``residual``. It grows like 1e-14 T, relative;
+    ConvergenceError where it would reach T/2.
     """
     reach = _reach(circle_map, noise, Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted), start)
     if reach.domain.length == 0.0:
@@ -218,16 +205,12 @@ def uniform_hitting_probability(
     max_panels: int = MAX_PANELS,
     progress: Callable[[float], None] | None = None,
 ) -> Estimate:
-    """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
+    """``hitting_probability`` under uniform noise, from a ``start`` outside both arcs, which do not overlap.
 
-    ``start`` lies outside both arcs, which do not overlap. The equation is that of ``uniform_passage_time`` with
-    P(F(x) + ξ in a) in place of 1. Paths that come to neither arc count as not in a; 0 is exact where the noise
-    cannot bring the path to a. ``error_bound``: the residual's bound times the mean number of cycles until an
-    arc (or a part of the circle that the noise is too small to leave) is reached.
-
-    >>> even = uniform_hitting_probability(CircleMap.rigid(0.0), UniformNoise(0.7), 0.0, (1.0, 2.0), (-2.0, -1.0))
-    >>> round(even, 12), even.error_bound < 1e-12
-    (0.5, True)
+    The equation is that of ``uniform_passage_time`` with P(F(x) + ξ in a) in place of 1. Paths that come to neither arc
+    count as not in a; 0 is exact where the noise cannot bring the path to a. ``error_bound``: the residual's bound
+    times the mean number of cycles until an arc, or a part of the circle that the noise is too small to leave, is
+    reached.
     """
     between = np.array(arcs_between(arc_a, arc_b))
     rest = Intervals(between[:, 0], between[:, 1], True)
@@ -280,9 +263,6 @@ def _meets(reach: Reach, start: float, part: Intervals) -> bool:
     return bool(part.overlaps(image - reach.halfwidth, image + reach.halfwidth)[0])
 
 
-# -- the equation f = source(F) + K f ------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class _Chain:
     """K f(x) = the integral of f over the panels within h of F(x), over 2h; ``source`` a function of F(x)."""
@@ -307,7 +287,11 @@ class _Chain:
     @cached_property
     def _solutions(self) -> Array:
         images = self.map(self.panels.nodes)
-        system = np.eye(self.panels.size) - self.panels.coefficients(self._rows(images))
+        count, (at, turns) = images.size, self._ends(images)
+        sign = np.repeat([1.0, -1.0], count)
+        theta = np.append(at, np.full(2 * count, self.panels.end[-1]))
+        sums = self.panels.integral_matrix(theta, np.append(sign, sign * turns), np.tile(np.arange(count), 4), count)
+        system = np.eye(self.panels.size) - self.panels.coefficients(sums / (2.0 * self.halfwidth))
         right = self.panels.coefficients(np.stack([self.source(images), np.ones_like(images)], axis=1))
         factors, pivots, failed = lapack.dgetrf(system)
         if failed:
@@ -323,15 +307,6 @@ class _Chain:
         origin = self.panels.start[0]
         turns = np.floor((at - origin) / TWO_PI) if self.wrapped else np.zeros_like(at)
         return at - TWO_PI * turns, turns
-
-    def _rows(self, images: Array) -> Array:
-        count = images.size
-        at, turns = self._ends(images)
-        sign = np.repeat([1.0, -1.0], count)
-        theta = np.append(at, np.full(2 * count, self.panels.end[-1]))
-        row = np.tile(np.arange(count), 4)
-        sums = self.panels.integral_matrix(theta, np.append(sign, sign * turns), row, count)
-        return sums / (2.0 * self.halfwidth)
 
     def carried(self, law: Array, images: Array) -> Array:
         """K f where F is ``images``."""
@@ -370,7 +345,17 @@ def _chain(
     """Panels on which the solution is resolved; ``marks`` are the ends of the arcs that matter."""
     inner = Reach(reach.map, reach.cells, reach.halfwidth, domain)
     edges = np.concatenate([domain.start, domain.end, np.array(marks)])
-    kinks = _kinks(inner, edges)
+    # Kinks: angles x with F(x) ± h at an edge (generation 0), or at a kink of the generation before.
+    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, inner.map.breaks)
+    for step in range(_GENERATIONS):
+        found = inner.cut(inner.preimages(np.append(values - inner.halfwidth, values + inner.halfwidth)))
+        fresh = found[~np.isin(found, theta)]
+        if theta.size + fresh.size > _MOST and step > 0:
+            break
+        theta, generation = np.append(theta, fresh), np.append(generation, np.full(fresh.size, step))
+        values = fresh
+    order = np.argsort(theta, kind="stable")
+    kinks = Singularities(theta[order], generation[order], np.zeros(theta.size, dtype=bool))
 
     def chain(panels: Panels) -> _Chain:
         missing = max(domain.length - float(np.sum(panels.end - panels.start)), 0.0)
@@ -385,17 +370,3 @@ def _chain(
         return trial.law[:, None] / max(float(np.max(np.abs(trial.law))), 1.0)
 
     return chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), most, domain.hold, progress))
-
-
-def _kinks(reach: Reach, edges: Array) -> Singularities:
-    """Angles x with F(x) ± h at an edge (generation 0), or at a kink of the generation before."""
-    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, reach.map.breaks)
-    for step in range(_GENERATIONS):
-        found = reach.cut(reach.preimages(np.append(values - reach.halfwidth, values + reach.halfwidth)))
-        fresh = found[~np.isin(found, theta)]
-        if theta.size + fresh.size > _MOST and step > 0:
-            break
-        theta, generation = np.append(theta, fresh), np.append(generation, np.full(fresh.size, step))
-        values = fresh
-    order = np.argsort(theta, kind="stable")
-    return Singularities(theta[order], generation[order], np.zeros(theta.size, dtype=bool))

@@ -41,12 +41,12 @@ class SlowZone:
     centre : radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest point.
     arc : (start, end), radians, start < end: the zone, see ``predict_staircase``.
     kind : "stable", "jump" or "ghost".
-    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from the upstream
-        end ("ghost") until the path first leaves it.
+    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from the upstream end
+        ("ghost") until the path first leaves it.
     winding : whole turns that a cycle makes there; the zone is still in the frame that turns along.
-    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, or None where they were
-        not computed. A visit is a maximal run of cycles in the arc that reaches ``core``: how many begin per
-        cycle, their mean length and its standard deviation (cycles).
+    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, maximal runs of cycles in the arc
+        that reach ``core``: how many begin per cycle, their mean length and its standard deviation, cycles; None where
+        not computed.
     """
 
     centre: float
@@ -103,14 +103,13 @@ def predict_staircase(
     """Mean turn, step height and residence of the staircase that the noisy map will draw.
 
     mean_turn : 2π times the operator's rotation number, an ``Estimate`` with its bound.
-    Slow zones : the stable fixed points and attracting jumps. Around each the zone is the arc between the
-        unstable points (or repelling jumps, or saddle-nodes) next to it on both sides; its residence is
-        the mean passage time from the point out of that arc. With a single unstable point the arc is the
-        whole turn between two copies of it, and the path leaves it on the lifted line.
-        Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below half its mean
-        over the circle (uniform weight), w the whole number that makes the mean turn least, if the stationary
-        path is there at least half as long again as in an arc of that length at an even pace. The residence
-        is the mean passage time out of the arc from its upstream end.
+    Slow zones : the stable fixed points and attracting jumps, each with the arc between the unstable points (or
+        repelling jumps, or saddle-nodes) next to it on both sides; its residence is the mean passage time from the
+        point out of that arc. With a single unstable point the arc is the whole turn between two copies of it, left on
+        the lifted line only. Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below
+        half its mean over the circle, w the whole number that makes the mean turn least, if the stationary path is
+        there at least half as long again as at an even pace. The residence is the mean passage time from the arc's
+        upstream end.
     mean_residence_cycles : average of the zones' residences, an ``Estimate`` whose bound is the average bound.
     step : 2π divided by the number of zones, the mean spacing of neighbouring slow zones.
     The visits' numbers are exact for the stationary path; how they are found is said at ``_with_visits``.
@@ -147,9 +146,6 @@ def predict_staircase(
     return StaircaseSummary(mean_turn, Estimate(mean, bound), TWO_PI / len(zones), zones)
 
 
-# -- zones round what attracts -------------------------------------------------------------------------------
-
-
 def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
     points, jumps = fixed_points(circle_map), crossings_by_jump(circle_map)
     centres = [(float(p.points[0]), p.winding, "stable") for p in points if p.stable]
@@ -164,9 +160,6 @@ def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
         residence = mean_passage_time(shifted(circle_map, -winding), noise, centre, arc, lifted=whole)
         zones.append(SlowZone(centre, arc, kind, residence, winding))
     return zones
-
-
-# -- ghosts ----------------------------------------------------------------------------------------------------
 
 
 def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> list[SlowZone]:
@@ -195,17 +188,13 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
     return sorted(zones, key=lambda zone: zone.centre)
 
 
-# -- visits of the stationary path -----------------------------------------------------------------------------
-
-
 def _with_visits(zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator) -> SlowZone:
     """The zone with its visits by the stationary path.
 
-    π the stationary density, B the arc, K the noisy map's kernel between points of B on the lifted line, ν = π - πK
-    the law of run starts: moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never reach the
-    core (renewal theory: Kemeny & Snell 1960, ch. 3). The bound of the length is measured, from coarser nodes. A
-    residence beyond 1e5 cycles is put in its place, and in the spread's, as is right for rare escapes (exponential
-    law), with a bound of inf: the difference, a few relaxation times, is not computed.
+    π the stationary density, B the arc, K the noisy map's kernel on B, lifted, ν = π - πK the law of run starts:
+    moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never reach the core (renewal theory: Kemeny
+    & Snell 1960, ch. 3). The length's bound is measured, from coarser nodes. Beyond 1e5 cycles visits are exponential
+    with the residence as mean and spread, with a bound of inf: a few relaxation times are not computed.
     """
     residence, still = float(zone.residence_cycles), shifted(circle_map, -zone.winding)
     if residence > _LONGEST_VISIT:
@@ -254,9 +243,6 @@ def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
     return chance, length, lu_solve(factors, chance + 2.0 * (kernel @ length))
 
 
-# -- slow wear -------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class DriftSummary:
     """The staircase of a slowly drifting map, as if each cycle's map had been there for ever.
@@ -280,12 +266,12 @@ class DriftSummary:
     @property
     def mean_residence_cycles(self) -> Array:
         """Shape (k,), cycles; nan where the frozen map has no slow zone."""
-        return np.array([_or_nan(one.mean_residence_cycles) for one in self.summaries])
+        return np.array([one.mean_residence_cycles for one in self.summaries], dtype=np.float64)
 
     @property
     def step(self) -> Array:
         """Shape (k,), radians; nan where the frozen map has no slow zone."""
-        return np.array([_or_nan(one.step) for one in self.summaries])
+        return np.array([one.step for one in self.summaries], dtype=np.float64)
 
     @property
     def steps(self) -> float | None:
@@ -298,10 +284,10 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
     """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
 
     At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the frozen map; and the
-    expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until
-    halving changes the sum by less than a hundredth of a turn, that change being the bound (measured). The
-    law follows a drifting map with a lag of its relaxation time (Gardiner, Stochastic Methods, 2009, ch. 8):
-    ``lag_turns`` tells how much that may matter, and the start's own approach adds up to a turn.
+    expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until halving
+    changes the sum by less than a hundredth of a turn, that change being the bound (measured). The law lags behind a
+    drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter, and the
+    start's own approach adds up to a turn.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
@@ -318,28 +304,20 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
     def winding(n: float) -> float:
         """The rotation number without its bound, which costs several times as much."""
         operator = transfer_operator(drifting.at(n), noise)
-        theta, weight = operator.discretisation.rule()
+        theta, weight = operator.discretisation.rule
         return float((weight * operator.density(theta)) @ operator.map.turn(theta)) / TWO_PI
 
-    turns = _summed(winding, drifting, count)
-    change = np.abs(np.diff([one.rotation_number for one in operators]))
-    forgetting = np.array([1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators])
-    lag = float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:]))) if np.any(change) else 0.0
-    return DriftSummary(read_only(chosen), summaries, turns, lag)
-
-
-def _or_nan(value: float | None) -> float:
-    return np.nan if value is None else float(value)
-
-
-def _summed(rho: Callable[[float], float], drifting: DriftingMap, count: int) -> Estimate:
-    """Σ_{n<count} ρ(n) as the integral from -½ to count - ½ (midpoint rule read backwards), by Simpson's rule."""
-    low, high = -0.5, count - 0.5
+    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards), by Simpson's rule.
+    low, high, rho = -0.5, count - 0.5, winding
     inner = drifting.cycles[(drifting.cycles > low) & (drifting.cycles < high)]
     edges = np.concatenate([[low], inner, [high]]) if inner.size < _PANELS else np.linspace(low, high, _PANELS + 1)
     allowed = _TOLERANCE / count
     panels = [_simpson(rho, a, b, (rho(a), rho(0.5 * (a + b)), rho(b)), allowed, 0) for a, b in pairwise(edges)]
-    return Estimate(float(sum(p[0] for p in panels)), float(sum(p[1] for p in panels)))
+    turns = Estimate(float(sum(panel[0] for panel in panels)), float(sum(panel[1] for panel in panels)))
+    change = np.abs(np.diff([one.rotation_number for one in operators]))
+    forgetting = np.array([1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators])
+    lag = float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:]))) if np.any(change) else 0.0
+    return DriftSummary(read_only(chosen), summaries, turns, lag)
 
 
 def _simpson(

@@ -23,9 +23,6 @@ _CHUNK = 65_536  # cycles followed at a time
 _DRAWS = 1 << 18  # noise draws made at a time for many paths
 
 
-# -- maps that change from cycle to cycle --------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class Stretch:
     """Cycles first, ..., last - 1, in which F_n = (1 - share) before + share after; ``share`` has one entry a cycle."""
@@ -82,11 +79,11 @@ class DriftingMap:
     ) -> DriftingMap:
         """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen to fit.
 
-        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one entry (or row) a
-        cycle. A stretch of cycles is halved until the blend of its ends lies within ``tolerance`` (radians, at
-        512 angles) of the family at its quarter points, or until it has no cycle inside, where the blend is
-        exact: a schedule that jumps costs nothing. ``max_error`` is the largest difference that was accepted;
-        measured, so a schedule that moves only between the quarter points of a long stretch can escape it.
+        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one entry (or row) a cycle.
+            A stretch of cycles is halved until the blend of its ends lies within ``tolerance`` (radians, at 512 angles)
+            of the family at its quarter points, or has no cycle inside: a schedule that jumps costs nothing.
+            ``max_error`` is the largest difference that was accepted; what moves only between the quarter points of a
+            long stretch can escape it.
 
         Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what they reach.
 
@@ -95,8 +92,15 @@ class DriftingMap:
         (True, True)
         """
         count = whole_number("cycles", cycles, least=1)
-        at = _scheduled(family, schedule, count)
-        knots, error = _fitted(at, count - 1, positive_number("tolerance", tolerance))
+        if not callable(family):
+            raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
+        given = schedule
+        if not callable(schedule):
+            values = finite_array("schedule", schedule)
+            if values.ndim == 0 or values.shape[0] < count:
+                raise InvalidInput(f"schedule has shape {values.shape}: it needs one entry for each of {count} cycles")
+            given = values.__getitem__
+        knots, error = _fitted(lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance))
         return cls(np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error)
 
     def at(self, cycle: float) -> CircleMap:
@@ -131,20 +135,6 @@ class DriftingMap:
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
 
 
-# -- families as blends -----------------------------------------------------------------------------------------
-
-
-def _scheduled(family: Callable[[Any], CircleMap], schedule: Any, count: int) -> Callable[[int], CircleMap]:
-    if not callable(family):
-        raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
-    if callable(schedule):
-        return lambda n: family(schedule(n))
-    values = finite_array("schedule", schedule)
-    if values.ndim == 0 or values.shape[0] < count:
-        raise InvalidInput(f"schedule has shape {values.shape}: it needs one entry for each of {count} cycles")
-    return lambda n: family(values[n])
-
-
 def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> tuple[dict[int, CircleMap], float]:
     """The maps at the chosen cycles, and the largest difference that was accepted."""
     ends = np.unique(np.linspace(0, last, _PIECES + 1).astype(int)).tolist()
@@ -177,9 +167,6 @@ def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
         breaks=np.union1d(before.breaks, after.breaks),
         max_error=rest * before.max_error + share * after.max_error,
     ).remade_by(_blended, before, after, share)
-
-
-# -- noise as robots have it -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -231,9 +218,6 @@ class LocalNoise:
         return z
 
 
-# -- paths ---------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class Staircase:
     """One path θ_{n+1} = F(θ_n) + ξ_n of the lifted orientation.
@@ -265,9 +249,9 @@ def sample_staircase(
 ) -> Staircase:
     """A path of ``cycles`` cycles from ``start`` (radians); ``noise`` None follows the map alone.
 
-    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million cycles a
-    second for sampled and textbook maps, about half that where two of them are blended, a few hundred thousand
-    for maps given by numpy callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle starts.
+    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million cycles a second for
+    sampled and textbook maps, a few hundred thousand for maps given by numpy callables. Kicks of a ``LocalNoise`` have
+    the size that it has where the cycle starts.
 
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
@@ -306,9 +290,8 @@ def sample_staircases(
 ) -> Array:
     """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped, read-only.
 
-    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone gives the
-    path of ``sample_staircase`` to rounding. All paths go through the lift together: ten million cycles a second
-    and more for a hundred paths of a textbook map.
+    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone gives the path of
+        ``sample_staircase`` to rounding, and a hundred paths are followed ten times as fast together.
 
     >>> sample_staircases(CircleMap.rigid(0.5), None, 2, [0.0, np.pi]).shape
     (2, 3)

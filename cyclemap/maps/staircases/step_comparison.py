@@ -23,15 +23,13 @@ class VisitComparison:
 
     zone : the zone; exits : visits whose end was seen.
     mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
-        exposure (cycles seen inside, the censored visits too) over the exits, the maximum-likelihood value of an
-        exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean. The visit that the path begins in
-        counts for the former only.
+        exposure (cycles seen inside, censored visits and the one that the path begins in too) over the exits, the
+        maximum-likelihood value of an exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean.
     spread : measured standard deviation of the complete visits.
     predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
     mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted
-        mean and spread: a renewal process of gamma-distributed visits (exact for exponential ones), mid-p value. Over
-        some 15 visits it is measured to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and
-        in 6.3 % (a stable point).
+        mean and spread: a renewal process of gamma-distributed visits, mid-p value. Over some 15 visits it is measured
+        to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and in 6.3 % (a stable point).
     """
 
     zone: SlowZone
@@ -50,13 +48,11 @@ class StepComparison:
 
     mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
     predicted_length : the prediction's mean residence, cycles; ratio : mean_length over it.
-    net_steps, expected_steps, net_error : climb of the path from its first to its last cycle in units of the predicted
-        step, the prediction's for as many cycles, and the standard error of their difference: over the periods from
-        one dwell to the next, height less predicted turn is a reward of mean 0, so the whole path's climb less
-        its expectation has their variance times the number of periods (renewal-reward theorem: Ross 1996, sec. 3.6).
+    net_steps, expected_steps, net_error : climb of the path in units of the predicted step, the prediction's for as
+        many cycles, and the standard error of their difference: from one dwell to the next, height less predicted turn
+        is a reward of mean 0, so the difference has their variance times the number of periods (Ross 1996, sec. 3.6).
     pace_p_value : two-sided, Student's law for that difference over its error; None below 8 periods. Over 12 to 18
-        periods it is measured to reject a true prediction in 3.5 % of runs at the 5 % level, in 8 % at 10 %: it is a
-        little too large, and not uniform, since a short climb is nearly a whole number of steps.
+        periods it is measured to reject a true prediction in 3.5 % of runs at the 5 % level, in 8 % at 10 %.
     visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own zones.
     """
 
@@ -75,11 +71,10 @@ class StepComparison:
 def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     """Compare the steps found in a path with those predicted for a map and its noise.
 
-    Dwells found without zones have lengths that depend on the window: their ratio to the predicted residence is to
-    be read as a rough one, and no p-value is given for it. Heights, pace and number of steps do not depend on
-    it. Steps found with ``zones=prediction.zones`` also compare the visits, whose prediction is exact for the
-    stationary path, with p-values that are uniform if the prediction holds (as far as visits are independent,
-    which they are to the extent that the path forgets between them).
+    Dwells found without zones have lengths that depend on the window: their ratio to the predicted residence is a rough
+    one, without p-value. Heights, pace and number of steps do not depend on it. Steps found with
+    ``zones=prediction.zones`` also compare the visits, whose prediction is exact for the stationary path, with p-values
+    that are uniform if it holds (as far as the path forgets between visits).
 
     Raises InvalidInput unless given ``Steps`` and a ``StaircaseSummary``.
 
@@ -98,10 +93,17 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     if not isinstance(steps, Steps) or not isinstance(prediction, StaircaseSummary):
         raise InvalidInput("give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order")
     length, length_error = kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
-    net, expected, error = _numbers(steps, prediction)
-    pace = None
-    if net is not None and expected is not None and error and steps.count >= _FEWEST_PERIODS:
-        pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
+    net = expected = error = pace = None
+    if prediction.step is not None:
+        turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
+        net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
+        if steps.count >= 2:
+            surplus = steps.heights - turn * steps.periods
+            between = steps.cycles * float(np.mean(surplus**2) / np.mean(steps.periods))
+            within = 2.0 * float(np.mean(steps.scatter**2))
+            error = float(np.sqrt(between + within) / prediction.step)
+        if error and steps.count >= _FEWEST_PERIODS:
+            pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
     zones = steps.zones if steps.zones == prediction.zones else ()
     return StepComparison(
         steps=steps.count,
@@ -120,12 +122,9 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
 def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[float | None, float | None]:
     """Mean and standard error of lengths of which some are only known to be at least so long.
 
-    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function (Kaplan & Meier 1958)
-    up to the longest length, with Greenwood's (1926) variance. Where the longest is censored the integral stops there
-    and the mean is too small. (None, None) where every length is censored; the error is None for one alone.
-
-    >>> kaplan_meier_mean([2.0, 4.0, 6.0], [False, False, False])[0]
-    4.0
+    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function (Kaplan & Meier 1958) up
+        to the longest length, with Greenwood's (1926) variance. Where the longest is censored the mean is too small.
+        (None, None) where every length is censored; the error is None for one alone.
     """
     values, open_ended = finite_array("lengths", lengths, ndim=1), np.asarray(censored, dtype=bool)
     if values.size == 0 or values.shape != open_ended.shape or np.any(values < 0.0):
@@ -145,29 +144,8 @@ def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[
     return float(np.sum(pieces)), float(np.sqrt(np.sum(terms))) if values.size > 1 else None
 
 
-# -- the number of steps -----------------------------------------------------------------------------------------
-
-
-def _numbers(steps: Steps, prediction: StaircaseSummary) -> tuple[float | None, float | None, float | None]:
-    """Steps climbed by the whole path, steps expected, and the standard error of the difference."""
-    if prediction.step is None:
-        return None, None, None
-    winding = steps.zones[0].winding if steps.zones else 0
-    turn = prediction.mean_turn - TWO_PI * winding
-    net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
-    if steps.count < 2:
-        return net, expected, None
-    surplus = steps.heights - turn * steps.periods
-    between = steps.cycles * float(np.mean(surplus**2) / np.mean(steps.periods))
-    within = 2.0 * float(np.mean(steps.scatter**2))
-    return net, expected, float(np.sqrt(between + within) / prediction.step)
-
-
 def _ratio(measured: float | None, predicted: float | None) -> float | None:
     return None if measured is None or predicted is None or not predicted > 0.0 else float(measured / predicted)
-
-
-# -- visits --------------------------------------------------------------------------------------------------------
 
 
 def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
@@ -180,6 +158,13 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
+    expected, spread, chance = zone.visit_cycles, zone.visit_spread, None
+    if expected is not None and spread is not None and spread > 0.0 and np.isfinite(expected) and exposure > 0.0:
+        # P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums.
+        shape, scale = (expected / spread) ** 2, spread * (spread / expected)
+        as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
+        middle = 0.5 * (as_many + float(gammainc(shape * (exits + 1), exposure / scale)))
+        chance = min(1.0, 2.0 * min(middle, 1.0 - middle))
     return VisitComparison(
         zone=zone,
         exits=exits,
@@ -188,16 +173,5 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
         spread=float(np.std(lengths[closed], ddof=1)) if exits > 1 else None,
         predicted=zone.visit_cycles,
         ratio=_ratio(mean, zone.visit_cycles),
-        mean_p_value=_count_p_value(exits, exposure, zone.visit_cycles, zone.visit_spread),
+        mean_p_value=chance,
     )
-
-
-def _count_p_value(exits: int, exposure: float, mean: float | None, spread: float | None) -> float | None:
-    """P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums."""
-    if mean is None or spread is None or not spread > 0.0 or not np.isfinite(mean) or exposure <= 0.0:
-        return None
-    shape, scale = (mean / spread) ** 2, spread * (spread / mean)
-    as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
-    more = float(gammainc(shape * (exits + 1), exposure / scale))
-    middle = 0.5 * (as_many + more)
-    return min(1.0, 2.0 * min(middle, 1.0 - middle))

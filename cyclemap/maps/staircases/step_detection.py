@@ -15,8 +15,6 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
 
-Counts = Whole
-
 _SLOW = 2.0  # a dwell is at least this much slower than the path is on average over its height
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
 _WIDEST = np.pi / 4  # radians: half the height that the widest window tried lets a dwell cover
@@ -41,14 +39,14 @@ class Steps:
     zones : those looked for, else ().
     """
 
-    start: Counts
-    end: Counts
+    start: Whole
+    end: Whole
     levels: Array
     scatter: Array
-    visit_start: Counts
-    visit_end: Counts
-    visit_dwell: Counts
-    visit_zone: Counts
+    visit_start: Whole
+    visit_end: Whole
+    visit_dwell: Whole
+    visit_zone: Whole
     cycles: int
     climb: float
     zones: tuple[SlowZone, ...] = ()
@@ -63,12 +61,12 @@ class Steps:
         return np.diff(self.levels)
 
     @property
-    def lengths(self) -> Counts:
+    def lengths(self) -> Whole:
         """Shape (m,), cycles that each dwell lasts, both ends included; too short where ``censored``."""
         return self.end - self.start + 1
 
     @property
-    def periods(self) -> Counts:
+    def periods(self) -> Whole:
         """Shape (m - 1,), cycles from the start of each dwell to the start of the next."""
         return np.diff(self.start)
 
@@ -90,23 +88,19 @@ def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
         no cycle turns by half a turn).
 
     zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside one copy of a zone's arc
-        that reaches the zone's core, so jitter at the arc's edge makes no visits (milestones with a core: Buchete
-        & Hummer 2008). Successive visits to one copy are one dwell. All zones must have the same winding w;
-        levels are then those of θ_n - 2πwn.
-    zones None: no model. For a window h, a cycle dwells if it lies in some number of successive cycles whose angles
-        span at most 2h; runs of such cycles, trimmed to three robust deviations from their median, are dwells, and
-        neighbours whose means differ by at most 2h are one. (The dispersion rule for eye fixations, Salvucci &
-        Goldberg 2000, with windows from both sides.) That number is twice what the path takes for a height 2h at
-        its mean pace, the mean over height and not over time (3 at least): a dwell goes at less than half the mean
-        pace, as in a ghost's zone. Of π/4 (or an eighth of the path's span, if that is less) and seven halvings, h is
-        the window whose dwells hold the largest share of the cycles less their share of the height travelled;
-        no dwells where that is below 0.47 (drifts, rotations and random walks, with or without noise, stay below
-        0.44 at a thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less than
-        its scatter is one dwell. A constant added to the path, the path's mirror image, or the path read backwards
-        give the same dwells, shifted, mirrored or reversed.
+        that reaches the zone's core, so jitter at the arc's edge makes none (milestones: Buchete & Hummer 2008).
+        Successive visits to one copy are one dwell. All zones must have the same winding w; levels are those of θ_n -
+        2πwn.
+    zones None: for a window h, a cycle dwells if it lies in some number of successive cycles whose angles span at most
+        2h: twice what the path takes for a height 2h at its mean pace over height (3 at least). Runs of such cycles,
+        trimmed to three robust deviations from their median, are dwells, and neighbours whose means differ by at most
+        2h are one (the dispersion rule of Salvucci & Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven
+        halvings, h is the window whose dwells hold the largest share of the cycles less their share of the height
+        travelled; no dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a thousand
+        cycles). A path that spans less than π/2 and whose halves differ in mean by less than its scatter is one dwell.
+        Shifting, mirroring or reversing the path shifts, mirrors or reverses its dwells.
 
     Raises InvalidInput for fewer than 2 angles, angles that are not finite, or zones of several windings.
-    Time: about 1 µs a cycle for each window tried, less than 1 µs with zones, and 20 µs a dwell.
 
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> found = find_steps(stairs)
@@ -119,9 +113,6 @@ def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     return _best_window(path) if zones is None else _in_zones(path, tuple(zones))
 
 
-# -- without a model ---------------------------------------------------------------------------------------------
-
-
 def _best_window(path: Array) -> Steps:
     span = float(np.ptp(path))
     widest = min(_WIDEST, span / 8.0)
@@ -131,33 +122,41 @@ def _best_window(path: Array) -> Steps:
     jitter = float(np.median(np.abs(np.diff(path))))
     windows = [widest * 0.5**halving for halving in range(_HALVINGS + 1)]
     found = [_within(path, window) for window in windows if window >= _JITTERS * jitter]
-    contrast = [_contrast(steps, path) for steps in found]
+    contrast = []  # share of the cycles in dwells, less that of their scatter in the height travelled
+    for steps in found:
+        ends = [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])] if steps.start.size else [0.0]
+        travelled, covered = float(np.sum(np.abs(steps.heights)) + np.sum(ends)), _SPAN * float(np.sum(steps.scatter))
+        share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
+        contrast.append(share - min(1.0, covered / travelled if travelled > 0.0 else 1.0) if steps.start.size else 0.0)
     if max(contrast, default=0.0) < _CONTRAST:
         return _made(path, [], widest)
     return found[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
 
 
-def _contrast(steps: Steps, path: Array) -> float:
-    """Share of the cycles that are in dwells, less the share that the dwells' scatter has of the height travelled."""
-    if steps.start.size == 0:
-        return 0.0
-    ends = [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])]
-    travelled, covered = float(np.sum(np.abs(steps.heights)) + np.sum(ends)), _SPAN * float(np.sum(steps.scatter))
-    share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
-    return share - min(1.0, covered / travelled if travelled > 0.0 else 1.0)
-
-
 def _within(path: Array, window: float) -> Steps:
     """Dwells for one window."""
     reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
-    length = reach - np.arange(path.size) + 1
-    shortest = _shortest(reach, length)
-    long = np.flatnonzero(length >= shortest)
-    runs = [_trimmed(path, a, b, window) for a, b in _joined(long, reach[long], path.size)]
-    return _made(path, [run for run in runs if run[1] - run[0] + 1 >= _SHORTEST], window)
+    cycle = np.arange(path.size)
+    length, back = reach - cycle + 1, cycle - np.searchsorted(reach, cycle) + 1
+    # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height they cover.
+    whole, shortest = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float), _SHORTEST
+    if whole.size:
+        shortest = max(_SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))))
+    # Runs of cycles in which each neighbouring pair lies in one of the long windows.
+    long, cover = np.flatnonzero(length >= shortest), np.zeros(path.size + 1)
+    np.add.at(cover, long, 1.0)
+    np.add.at(cover, reach[long], -1.0)
+    edges, runs = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False])), []
+    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        # Without the ends that already lead away.
+        away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
+        kept = first + np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
+        if kept[-1] - kept[0] + 1 >= _SHORTEST:
+            runs.append((int(kept[0]), int(kept[-1])))
+    return _made(path, runs, window)
 
 
-def _reach(path: Array, span: float) -> Counts:
+def _reach(path: Array, span: float) -> Whole:
     """For each cycle n the last cycle m for which the angles n, ..., m span at most ``span``."""
     values, reach = path.tolist(), np.empty(path.size, dtype=np.int64)
     high: deque[int] = deque()
@@ -181,31 +180,6 @@ def _reach(path: Array, span: float) -> Counts:
     return reach
 
 
-def _shortest(reach: Counts, length: Counts) -> int:
-    """Twice the cycles that the window's height takes at the mean pace: stays weighted by the height they cover."""
-    back = np.arange(reach.size) - np.searchsorted(reach, np.arange(reach.size)) + 1
-    whole = np.r_[length[reach < reach.size - 1], back[np.arange(reach.size) - back + 1 > 0]].astype(float)
-    if whole.size == 0:
-        return _SHORTEST
-    return max(_SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))))
-
-
-def _joined(first: Counts, last: Counts, size: int) -> list[tuple[int, int]]:
-    """Runs of cycles in which each neighbouring pair lies in one of the windows [first, last]."""
-    cover = np.zeros(size + 1)
-    np.add.at(cover, first, 1.0)
-    np.add.at(cover, last, -1.0)
-    edges = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False]))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _trimmed(path: Array, first: int, last: int, window: float) -> tuple[int, int]:
-    """The run without the ends that already lead away."""
-    away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
-    kept = np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
-    return first + int(kept[0]), first + int(kept[-1])
-
-
 def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     """Steps from runs in order: neighbours less than the window's height apart are one dwell."""
     start, end = (np.array([run[side] for run in runs], dtype=np.int64) for side in (0, 1))
@@ -214,36 +188,30 @@ def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     return _gathered(path, start, end, dwell, np.full(start.size, -1), ())
 
 
-# -- with zones --------------------------------------------------------------------------------------------------
-
-
 def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
     windings = {zone.winding for zone in zones if isinstance(zone, SlowZone)}
     if len(windings) != 1 or not all(isinstance(zone, SlowZone) for zone in zones):
         raise InvalidInput(f"zones is {zones!r}: give one SlowZone or more, all of the same winding")
     still = path - TWO_PI * windings.pop() * np.arange(path.size)
-    visits = np.array(sorted(v for i, zone in enumerate(zones) for v in _visits(still, zone, i)), dtype=np.int64)
-    start, end, copy, index = visits.reshape(-1, 4).T
+    found = []  # first and last cycle, turns of the copy and zone of each run in an arc that reaches its core
+    for i, zone in enumerate(zones):
+        copy = np.floor((still - zone.arc[0]) / TWO_PI).astype(np.int64)
+        place = still - TWO_PI * copy
+        inside = place < zone.arc[1]
+        deep = np.r_[0, np.cumsum((place >= zone.core[0]) & (place <= zone.core[1]))]
+        breaks = np.flatnonzero((np.diff(inside.astype(np.int8)) != 0) | (np.diff(copy) != 0)) + 1
+        first, last = np.r_[0, breaks], np.r_[breaks, path.size] - 1
+        kept = inside[first] & (deep[last + 1] > deep[first])
+        first, last = first[kept], last[kept]
+        found.append(np.stack([first, last, copy[first], np.full(first.size, i)], axis=1))
+    visits = np.concatenate(found)
+    start, end, copy, index = visits[np.argsort(visits[:, 0], kind="stable")].T
     moves = (np.diff(copy) != 0) | (np.diff(index) != 0)
     dwell = np.cumsum(np.r_[0, moves])[: start.size].astype(np.int64)
     return _gathered(still, start, end, dwell, index, zones)
 
 
-def _visits(path: Array, zone: SlowZone, index: int) -> list[tuple[int, int, int, int]]:
-    """(first cycle, last cycle, turns of the copy, zone) of each run in a copy of the arc that reaches its core."""
-    copy = np.floor((path - zone.arc[0]) / TWO_PI).astype(np.int64)
-    place = path - TWO_PI * copy
-    inside = place < zone.arc[1]
-    deep = np.r_[0, np.cumsum((place >= zone.core[0]) & (place <= zone.core[1]))]
-    breaks = np.flatnonzero((np.diff(inside.astype(np.int8)) != 0) | (np.diff(copy) != 0)) + 1
-    first, last = np.r_[0, breaks], np.r_[breaks, path.size] - 1
-    kept = inside[first] & (deep[last + 1] > deep[first])
-    return [(int(a), int(b), int(copy[a]), index) for a, b in zip(first[kept], last[kept], strict=True)]
-
-
-def _gathered(
-    path: Array, start: Counts, end: Counts, dwell: Counts, zone: Counts, zones: tuple[SlowZone, ...]
-) -> Steps:
+def _gathered(path: Array, start: Whole, end: Whole, dwell: Whole, zone: Whole, zones: tuple[SlowZone, ...]) -> Steps:
     """Steps from visits and the dwell each belongs to."""
     many = int(dwell[-1]) + 1 if dwell.size else 0
     first, last = np.searchsorted(dwell, np.arange(many)), np.searchsorted(dwell, np.arange(many), side="right") - 1

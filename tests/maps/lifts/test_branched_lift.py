@@ -108,8 +108,3 @@ BAD_BRANCHES = {
 def test_branches_that_do_not_make_one_turn_are_refused_with_the_value_that_is_wrong(message):
     with pytest.raises(InvalidInput, match=message):
         CircleMap.from_branches(BAD_BRANCHES[message])
-
-
-def test_a_degree_that_is_not_whole_is_refused_by_from_branches():
-    with pytest.raises(InvalidInput, match="degree must be a whole number"):
-        CircleMap.from_branches([(0, TWO_PI, one, None)], degree=0.5)

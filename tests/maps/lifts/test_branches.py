@@ -51,13 +51,6 @@ def test_the_sine_map_has_two_branches_cut_where_the_cosine_is_one_over_K(K):
     check_tiling(made, (rising, falling))
 
 
-@pytest.mark.parametrize("made", [CircleMap.rigid(0.3), CircleMap.arnold(0, 1), CircleMap.blaschke([0.5, 0.2j, 0])])
-def test_a_monotone_map_without_jumps_is_one_branch(made):
-    (only,) = branches(made)
-    assert (only.start, only.end, only.direction) == (0.0, TWO_PI, 1)
-    assert only.end_value - only.start_value == pytest.approx(TWO_PI * made.degree, abs=1e-12)
-
-
 @pytest.mark.parametrize("seed", range(15))
 def test_branches_tile_one_turn_and_each_inverse_undoes_the_map_to_rounding(seed):
     made = folded(seed, degree=seed % 4 - 1)
@@ -101,33 +94,12 @@ def test_the_upper_envelope_of_a_folded_map_has_one_plateau_as_a_branch_of_its_o
         flat.inverse(flat.start_value)
 
 
-def test_plateaus_of_sampled_data_and_of_maps_without_derivative_are_found():
-    sampled = CircleMap.from_samples([0.0, 1.0, 2.0, 4.0, 5.0], [0.0, 1.5, 1.5, 1.5, 5.0])
-    assert [(p.direction, round(p.start, 9), round(p.end, 9)) for p in branches(sampled)] == [
-        (0, 1.0, 4.0),
-        (1, 4.0, round(1 + TWO_PI, 9)),
-    ]
-    constant = CircleMap(lambda x: np.full_like(x, 2.0), degree=0)
-    assert [p.direction for p in branches(constant)] == [0]
-
-
 def test_a_value_outside_a_branch_is_refused_with_the_range():
     rising = branches(CircleMap.arnold(0.2, 2.0))[0]
     with pytest.raises(InvalidInput, match=r"value 9 is outside the branch: F runs from 0\.57"):
         rising.inverse([2.0, 9.0])
     with pytest.raises(InvalidInput, match="finite"):
         rising.inverse(np.nan)
-
-
-# -- preimages ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("degree", [2, 3, 7])
-def test_every_angle_has_as_many_preimages_as_the_degree_under_multiplication(degree):
-    made = CircleMap.blaschke([0] * degree)
-    for angle in [0.0, 1.0, np.pi, 6.0, -4.0, 20.0, TWO_PI]:
-        expected = np.sort(np.mod((angle + TWO_PI * np.arange(degree)) / degree, TWO_PI))
-        np.testing.assert_allclose(preimages(made, angle), expected, rtol=0, atol=2e-15)
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -87,11 +87,6 @@ def test_a_lift_rough_everywhere_is_refused_with_a_place():
             ask(CircleMap(everywhere_rough))
 
 
-def test_steep_iterates_say_where_they_are_steep():
-    with pytest.raises(ConvergenceError, match=r"period 8 needs more than .* near θ = "):
-        periodic_orbits(CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9), 8)
-
-
 def holed(x):
     return np.where((base(x) > HOLE[0]) & (base(x) < HOLE[1]), np.nan, x + 0.4 + 0.1 * np.sin(x))
 

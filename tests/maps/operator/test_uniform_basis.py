@@ -7,12 +7,11 @@ from scipy.special import jv
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
 from cyclemap.maps.lifts.scan import monotone_cells
-from cyclemap.maps.noise.panels import ORDER, Panels, law_singularities, level_steps
+from cyclemap.maps.noise.panels import Panels, level_steps
 from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 
 TWO_PI = 2 * np.pi
 MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))
-GAPPED = Panels(np.array([0.0, 2.0]), np.array([1.0, 2.5]), np.array([False, False]))
 
 
 def with_roots(x):
@@ -47,44 +46,6 @@ def test_antiderivatives_are_exact_on_both_kinds_of_panels():
     assert abs(MIXED.mass @ law - primitive_with_roots(3.0)) < 1e-14
 
 
-def test_an_integral_stands_still_in_a_gap():
-    law = GAPPED.coefficients(np.ones(GAPPED.size))
-    x = np.array([-1.0, 0.5, 1.0, 1.7, 2.0, 2.25, 2.5, 9.0])
-    np.testing.assert_allclose(GAPPED.integral(law, x), [0, 0.5, 1, 1, 1, 1.25, 1.5, 1.5], rtol=0, atol=1e-15)
-
-
-def test_nodes_and_coordinates_are_inverse_to_each_other():
-    panel, t = MIXED.locate(MIXED.nodes)
-    np.testing.assert_array_equal(panel, np.repeat(np.arange(4), ORDER))
-    np.testing.assert_allclose(np.sort(t[:ORDER]), np.polynomial.legendre.leggauss(ORDER)[0], atol=1e-14)
-    np.testing.assert_allclose(t.reshape(4, ORDER) - t[:ORDER], 0.0, atol=1e-12)
-
-
-def test_slopes_are_the_derivatives_of_smooth_functions():
-    x = np.linspace(0.0, 3.0, 101)
-    law = MIXED.coefficients(np.sin(2 * MIXED.nodes))
-    np.testing.assert_allclose(MIXED.slope(x) @ law, 2 * np.cos(2 * x), rtol=0, atol=1e-6)
-    away = np.abs(x - 1.5) > 1e-9
-    np.testing.assert_allclose((MIXED.slope(x) @ law)[away], 2 * np.cos(2 * x[away]), rtol=0, atol=1e-9)
-
-
-def test_the_weak_derivative_is_exact_for_smooth_periodic_functions_and_for_integrals_of_rough_ones():
-    wave = TWO_PI / 3
-    law = MIXED.derivative(MIXED.coefficients(np.sin(wave * MIXED.nodes)))
-    x = np.linspace(0.05, 2.95, 60)
-    np.testing.assert_allclose(MIXED.evaluate(x) @ law, wave * np.cos(wave * x), rtol=0, atol=1e-9)
-
-    def root(theta):
-        return np.where((theta > 1) & (theta < 1.5), np.sqrt(np.abs(theta - 1) * np.abs(1.5 - theta)), 0.0)
-
-    rough = MIXED.derivative(MIXED.coefficients(root(MIXED.nodes)))
-    nodes, weights = MIXED.rule(np.zeros(0), 40)
-    # ∫ g cos θ = ∫ root sin θ, though g is infinite at both ends of its panel.
-    exact = np.sum(weights * root(nodes) * np.sin(nodes))
-    assert abs(np.sum(weights * (MIXED.evaluate(nodes) @ rough) * np.cos(nodes)) - exact) < 1e-13
-    assert abs(MIXED.mass @ rough) < 1e-15
-
-
 @pytest.mark.parametrize("cuts", [np.zeros(0), np.array([0.3, 1.2, 1.9, 2.0])])
 def test_the_rule_integrates_products_with_kinked_functions(cuts):
     nodes, weights = MIXED.rule(cuts, 32)
@@ -100,14 +61,13 @@ JUMPING = CircleMap.from_samples([0, 2, 2, 4, 6], [0.7, 2.3, 1.6, 3.8, 6.5], [0.
 DOUBLING = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
 
 
-def contraction(shift=0.0, cut=0.5):
-    """θ → (θ - cut)/2 + 1.2 + shift + 0.2 sin θ on one turn from its jump at ``cut``."""
+def contraction(x):
+    """θ → (θ - 0.5)/2 + 1.2 + 0.2 sin θ on one turn from its jump at 0.5."""
+    turn = TWO_PI * np.floor((x - 0.5) / TWO_PI)
+    return turn + 0.5 * (x - 0.5 - turn) + 1.2 + 0.2 * np.sin(x)
 
-    def lift(x):
-        turn = TWO_PI * np.floor((x - cut) / TWO_PI)
-        return turn + 0.5 * (x - cut - turn) + 1.2 + shift + 0.2 * np.sin(x)
 
-    return CircleMap(lift, lambda x: 0.5 + 0.2 * np.cos(x), [cut])
+CONTRACTION = CircleMap(contraction, lambda x: 0.5 + 0.2 * np.cos(x), [0.5])
 
 
 def bordered(basis):
@@ -116,19 +76,6 @@ def bordered(basis):
 
 def stationary(basis):
     return np.linalg.solve(bordered(basis), basis.uniform)
-
-
-def moments(basis, law):
-    return np.array([basis.moments(k) @ law for k in (1, 2, 5)])
-
-
-def central(function, step):
-    """Derivative at 0 by differences of fourth order."""
-    near, far = function(step) - function(-step), function(2 * step) - function(-2 * step)
-    return (8 * near - far) / (12 * step)
-
-
-# -- closed forms --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("h", [0.126, 0.9, 4.0, 7.5])
@@ -140,11 +87,6 @@ def test_a_rotation_keeps_the_uniform_law_and_has_the_noises_coefficients_as_mod
     m = np.repeat(np.arange(1, 40), 2)
     exact = np.sort(np.append(1.0, np.abs(np.sin(m * h) / (m * h))))[::-1][:7]
     np.testing.assert_allclose(found, exact, rtol=0, atol=2e-9)
-
-
-def test_the_doubling_map_keeps_the_uniform_law():
-    basis = uniform_discretisation(DOUBLING, UniformNoise(0.2))
-    assert np.max(np.abs(basis.evaluate(np.linspace(0, TWO_PI, 99)) @ stationary(basis) - 1 / TWO_PI)) < 1e-12
 
 
 def test_a_map_that_is_constant_on_two_arcs_has_a_law_of_two_boxes():
@@ -163,9 +105,6 @@ def test_a_map_that_is_constant_on_two_arcs_has_a_law_of_two_boxes():
     exact = weight * UniformNoise(h).density(x - 1.0) + (1 - weight) * UniformNoise(h).density(x - 3.0)
     np.testing.assert_allclose(basis.evaluate(x) @ law, exact, rtol=0, atol=1e-14)
     assert basis.residual(law) < 1e-12
-
-
-# -- other routes --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -187,7 +126,7 @@ def test_a_smooth_map_agrees_with_three_hundred_fourier_modes(h):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("circle_map", "h"), [(FOLDED, 0.5), (JUMPING, 0.3), (contraction(), 0.6)])
+@pytest.mark.parametrize(("circle_map", "h"), [(FOLDED, 0.5), (JUMPING, 0.3), (CONTRACTION, 0.6)])
 def test_monte_carlo_agrees_for_folds_and_jumps(circle_map, h):
     noise, rng, count = UniformNoise(h), np.random.default_rng(4), 60_000
     theta = rng.uniform(0, TWO_PI, count)
@@ -226,63 +165,9 @@ def test_a_residual_tells_a_wrong_law():
     assert 1.99 * exact < basis.residual(wrong) < 2.01 * exact
 
 
-# -- derivatives ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("family", "h", "panels", "tolerance"),
-    [
-        (lambda e: CircleMap.arnold(0.3 + e / TWO_PI, 0.5), 0.5, 36, 2e-8),
-        (lambda e: CircleMap.arnold(0.3 + e / TWO_PI, 3.0), 0.5, 48, 1e-6),
-        (lambda e: contraction(shift=e), 2.5, 36, 1e-9),
-    ],
-)
-def test_the_laws_derivatives_in_map_and_noise_are_those_of_its_moments(family, h, panels, tolerance):
-    """Differences of the moments of laws solved anew, folds included, where d(Lp) itself is infinite."""
-
-    def law_of(circle_map, width):
-        basis = uniform_discretisation(circle_map, UniformNoise(width), max_panels=panels)
-        return basis, stationary(basis)
-
-    basis, law = law_of(family(0.0), h)
-    still = np.zeros(basis.map.breaks.size)
-    by_map = np.linalg.solve(bordered(basis), basis.map_response(law, np.ones_like, still))
-    by_noise = np.linalg.solve(bordered(basis), basis.noise_response(law))
-    step = 4e-3
-    expected = central(lambda e: moments(*law_of(family(e), h)), step)
-    np.testing.assert_allclose(moments(basis, by_map), expected, rtol=0, atol=tolerance)
-    expected = central(lambda e: moments(*law_of(family(0.0), h + e)), step)
-    np.testing.assert_allclose(moments(basis, by_noise), expected, rtol=0, atol=tolerance)
-    assert abs(basis.mass @ by_map) < 1e-7 and abs(basis.mass @ by_noise) < 1e-7
-
-
-@pytest.mark.slow
-def test_a_moving_break_moves_the_law():
-    """F's formula counts from its break: d(break) moves the break by 1 and F itself by -1/2."""
-    h = 2.5
-
-    def law_of(cut):
-        basis = uniform_discretisation(contraction(cut=cut), UniformNoise(h), max_panels=36)
-        return basis, stationary(basis)
-
-    basis, law = law_of(0.5)
-    response = basis.map_response(law, lambda x: np.full_like(x, -0.5), np.ones(1))
-    found = moments(basis, np.linalg.solve(bordered(basis), response))
-    expected = central(lambda e: moments(*law_of(0.5 + e)), 4e-3)
-    assert np.max(np.abs(expected)) > 1e-3
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
-    complex_law = law * (2 + 1j)
-    twice = basis.map_response(complex_law, lambda x: np.full_like(x, -0.5), np.ones(1))
-    np.testing.assert_allclose(twice, response * (2 + 1j), rtol=0, atol=1e-10)
-
-
-# -- the parts -----------------------------------------------------------------------------------------------
-
-
 def test_the_rule_and_the_moments_integrate_densities():
     basis = uniform_discretisation(JUMPING, UniformNoise(0.5), max_panels=24)
-    theta, weight = basis.rule()
+    theta, weight = basis.rule
     rows = basis.evaluate(theta)
     np.testing.assert_allclose(weight @ rows, basis.mass, rtol=0, atol=1e-13)
     np.testing.assert_allclose((weight * np.exp(40j * theta)) @ rows, basis.moments(40), rtol=0, atol=1e-12)
@@ -302,23 +187,10 @@ def test_level_steps_count_the_crossings_of_every_level():
     checked = 0
     for row, level in enumerate(levels):
         mine = steps.row == row
-        counted = steps.first[row] + np.sum(steps.height[mine][:, None] * (steps.theta[mine][:, None] < grid), axis=0)
-        np.testing.assert_array_equal(counted, np.floor((FOLDED(grid) - level) / TWO_PI))
-        assert steps.first[row] + np.sum(steps.height[mine]) == steps.last[row]
+        ahead = np.sum(steps.height[mine][:, None] * (steps.theta[mine][:, None] > grid), axis=0)
+        np.testing.assert_array_equal(steps.last[row] - ahead, np.floor((FOLDED(grid) - level) / TWO_PI))
         checked += int(mine.sum())
     assert checked > 41
-
-
-def test_singular_points_are_the_images_of_breaks_and_extrema():
-    h = 0.3
-    found = law_singularities(FOLDED, monotone_cells(FOLDED, 1, 0.0, 64), h)
-    extrema = np.array([np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)])
-    first = np.mod(np.concatenate([FOLDED(extrema) - h, FOLDED(extrema) + h]), TWO_PI)
-    roots = found.theta[found.root & (found.generation == 0)]
-    np.testing.assert_allclose(roots, np.sort(first), atol=1e-12)
-    second = np.sort(np.mod(np.concatenate([FOLDED(roots) - h, FOLDED(roots) + h]), TWO_PI))
-    np.testing.assert_allclose(found.theta[found.root & (found.generation == 1)], second, atol=1e-9)
-    assert law_singularities(CircleMap.rigid(0.4), monotone_cells(CircleMap.rigid(0.4), 1, 0.0, 64), h).theta.size == 0
 
 
 @pytest.mark.slow

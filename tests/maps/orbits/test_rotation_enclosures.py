@@ -11,7 +11,7 @@ from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_int
 
 TWO_PI = 2 * np.pi
 ITERATES = 200
-MOEBIUS, SINE, CONTRACTIONS, CONJUGATES, FOLDED, AT_ONCE = 1200, 2700, 1000, 500, 100, 2250
+MOEBIUS, SINE, CONTRACTIONS, FOLDED, AT_ONCE = 1400, 3000, 1000, 100, 2250  # 10,000 together
 
 
 def judged(maps, truths):
@@ -29,13 +29,6 @@ def judged(maps, truths):
 
 def widths(found):
     return np.array([one.upper - one.lower for one in found])
-
-
-def test_the_counts_add_up_to_ten_thousand():
-    assert MOEBIUS + SINE + CONTRACTIONS + CONJUGATES + FOLDED + 2 * AT_ONCE == 10_000
-
-
-# -- Möbius maps: cos πρ = cos πΩ/√(1 - a²) ----------------------------------------------------------------
 
 
 def moebius_truth(a, omega):
@@ -69,9 +62,6 @@ def test_moebius_maps_hold_the_closed_form():
     assert np.median(widths(found)) < 5e-4
     assert sum(one.locked is not None for one in found) > 300
     assert all(one.locked is None or one.locked.denominator == 1 for one in found)
-
-
-# -- sine maps: the tongue 0/1 exactly, else an independent enclosure twenty times as long ------------------
 
 
 def sine_enclosures(omega, strength, cycles=3000, start=2.0):
@@ -112,28 +102,6 @@ def test_sine_maps_agree_with_a_longer_independent_enclosure():
 
 
 @pytest.mark.slow
-def test_sine_maps_hold_the_weighted_birkhoff_average():
-    """Where its own two windows agree to 1e-11 it is the truth to that."""
-    rng = np.random.default_rng(3)
-    omega, strength = rng.uniform(0, 1, 300), rng.uniform(0, 0.8, 300)
-    t = np.arange(1, 6001) / 6001
-    weight = np.exp(-1 / (t * (1 - t)))
-    theta, steps = np.zeros(300), []
-    for _ in range(6000):
-        steps.append(TWO_PI * omega - strength * np.sin(theta))
-        theta = np.mod(theta + steps[-1], TWO_PI)
-    steps = np.array(steps) / TWO_PI
-    mean = weight @ steps / weight.sum()
-    shorter = weight[::2] @ steps[:3000] / weight[::2].sum()
-    sure = np.flatnonzero(np.abs(mean - shorter) < 1e-11)
-    for i in sure:
-        found = rotation_number(CircleMap.arnold(omega[i], strength[i]), iterates=2000)
-        assert found.lower - 1e-11 <= mean[i] <= found.upper + 1e-11
-        assert found.upper - found.lower < 2e-4
-    assert sure.size > 150
-
-
-@pytest.mark.slow
 def test_many_at_once_hold_the_same_truths():
     rng = np.random.default_rng(9)
     moebius = np.array([random_moebius(rng) for _ in range(AT_ONCE)])
@@ -143,11 +111,8 @@ def test_many_at_once_hold_the_same_truths():
         found = rotation_numbers(family, *drawn.T)
         slack = 1e-15 * np.abs(truth[0])
         assert np.all((found.lower - slack <= truth[1]) & (truth[0] <= found.upper + slack))
-        assert np.all(found.met)
+        assert np.all(found.upper - found.lower <= 2e-3)
         assert np.sum(found.period > 0) > 400
-
-
-# -- contractions with a gap: plateaus of a devil's staircase, exact in fractions ---------------------------
 
 
 def plateau(slope, ratio):
@@ -196,10 +161,7 @@ def test_contractions_hold_their_plateau_of_the_devils_staircase():
     assert np.median(widths(found)) < 0.005
 
 
-# -- piecewise-linear maps ---------------------------------------------------------------------------------
-
-
-def piecewise_linear(nodes, values, max_error=0.0):
+def piecewise_linear(nodes, values):
     """The degree-1 lift through (nodes, values), in turns, nodes within [0, 1), straight between them."""
     x = TWO_PI * np.concatenate([nodes[-1:] - 1, nodes, nodes[:1] + 1])
     y = TWO_PI * np.concatenate([values[-1:] - 1, values, values[:1] + 1])
@@ -222,37 +184,7 @@ def piecewise_linear(nodes, values, max_error=0.0):
     def derivative(theta):
         return slopes[piece_of(theta)[0]]
 
-    return CircleMap.with_scalar(lift, derivative, scalar, breaks=x[1:-1], max_error=max_error)
-
-
-def random_conjugate(rng):
-    """h ∘ (rotation by ρ) ∘ h⁻¹ with a piecewise-linear h; its nodes are good to 1e-15 turns times ρ."""
-    sources, images = (np.sort(rng.uniform(0.0, 1.0, 4)) for _ in range(2))
-    u = np.concatenate([sources + k for k in range(-1, 3)])
-    v = np.concatenate([images + k for k in range(-1, 3)])
-    near = Fraction(int(rng.integers(-9, 9)), int(rng.integers(1, 9)))
-    rho = rng.choice([rng.uniform(-2, 2), float(near), float(near) + rng.choice([-1, 1]) * 10 ** rng.uniform(-13, -3)])
-    part = rho - floor(rho)
-    bends = np.unique(np.mod(np.concatenate([sources, sources - part]), 1.0))
-    nodes, values = np.interp(bends, u, v), np.interp(bends + part, u, v) + floor(rho)
-    turns = np.floor(nodes)
-    order = np.argsort(nodes - turns)
-    nodes, values = (nodes - turns)[order], (values - turns)[order]
-    if np.min(np.diff(np.append(nodes, nodes[0] + 1))) < 1e-3 or np.max(np.diff(v) / np.diff(u)) > 8:
-        return random_conjugate(rng)
-    return piecewise_linear(nodes, values, max_error=1e-13), rho
-
-
-@pytest.mark.slow
-def test_conjugates_of_rotations_keep_the_rotation_number():
-    rng = np.random.default_rng(5)
-    drawn = [random_conjugate(rng) for _ in range(CONJUGATES)]
-    found = judged([one for one, _ in drawn], [(rho, rho) for _, rho in drawn])
-    assert len(found) == CONJUGATES
-    assert widths(found).max() < 2.01 / ITERATES
-    assert np.median(widths(found)) < 0.5 / ITERATES
-    # Every orbit of a rational one is periodic and none attracts: nothing is locked.
-    assert all(one.locked is None for one in found)
+    return CircleMap.with_scalar(lift, derivative, scalar, breaks=x[1:-1])
 
 
 def tent_interval(slope, shift, period):
@@ -299,9 +231,6 @@ def test_folded_tents_hold_their_exact_rotation_interval():
     for tent, (low, high) in drawn[:20]:
         number = rotation_number(tent, iterates=ITERATES)
         assert number.lower <= low <= high <= number.upper
-
-
-# -- max_error ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow

@@ -64,26 +64,6 @@ def test_counted_iterates_across_the_bottleneck_confirm_the_relative_error_at_ev
     assert checked == 10
 
 
-def test_the_relative_error_is_of_order_one_in_the_gap():
-    gaps = np.geomspace(1e-6, 1e-3, 7)
-    for make in (outside, lopsided):
-        errors = [slow_passages(make(gap))[0].relative_error for gap in gaps]
-        order = np.polyfit(np.log(gaps), np.log(errors), 1)[0]
-        assert abs(order - 1.0) < 0.02
-
-
-def test_a_whole_turn_takes_the_passage_time_as_the_gap_closes():
-    # The rest of the turn costs a bounded number of cycles: the difference to π/√(aε) stays bounded.
-    rest = []
-    for gap in (1e-3, 1e-4, 1e-5, 1e-6):
-        circle_map = outside(gap)
-        (found,) = slow_passages(circle_map)
-        turn = cycles_across(circle_map, found.theta - pi, found.theta + pi)
-        rest.append(turn - found.passage_cycles)
-    assert np.ptp(rest) < 0.5
-    assert max(np.abs(rest)) < 5
-
-
 def test_a_tongue_of_period_two_leaves_one_passage_at_each_point():
     for distance in (1e-4, 1e-6, 1e-8):
         found = slow_passages(CircleMap.arnold(EDGE_HALF - distance, 1.0), 2)
@@ -94,16 +74,6 @@ def test_a_tongue_of_period_two_leaves_one_passage_at_each_point():
         assert abs(found[0].theta - saddle) < 10 * distance
         assert abs(found[1].theta - mate) < 10 * distance
     assert slow_passages(CircleMap.arnold(EDGE_HALF + 1e-6, 1.0), 2) == []
-
-
-def test_under_the_second_iterate_a_whole_turn_takes_the_two_passages_of_period_two():
-    for distance in (1e-5, 1e-6, 1e-7):
-        circle_map = CircleMap.arnold(EDGE_HALF - distance, 1.0)
-        first, second = slow_passages(circle_map, 2)
-        lift, theta, cycles = circle_map.scalar(), first.theta, 0
-        while theta > first.theta - TWO_PI:
-            theta, cycles = lift(lift(theta)) - TWO_PI, cycles + 2
-        assert abs(cycles - first.passage_cycles - second.passage_cycles) < 20
 
 
 def test_downward_passages_and_other_windings():
@@ -118,6 +88,7 @@ def test_downward_passages_and_other_windings():
 def test_what_is_no_bottleneck_is_left_out():
     assert slow_passages(CircleMap.arnold(0.1, 0.9)) == []  # locked: the curve crosses the line
     assert slow_passages(CircleMap.rigid(0.001)) == []
+    assert slow_passages(CircleMap.arnold(0.3, 1.0)) == []  # passed in five cycles
     ripple = CircleMap(lambda x: x + 0.05 + 1e-6 * np.cos(x), lambda x: 1 - 1e-6 * np.sin(x))
     assert slow_passages(ripple) == []
     assert slow_passages(outside(1e-3), 2) == []  # a passage of period one

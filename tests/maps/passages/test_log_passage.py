@@ -44,17 +44,6 @@ def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_logarithm_grows_as_large_deviations_say():
-    """σ² ln T tends to the barrier: from 1e98 to 10^391 cycles its slope in 1/σ² stays."""
-    sigmas = np.array([0.05, 0.04, 0.032, 0.025])
-    logs = [log10_passage_time(STICKY, WrappedNormal(s), STABLE, (-1.5, UNSTABLE), lifted=True) for s in sigmas]
-    slopes = np.diff(logs) / np.diff(1 / sigmas**2)
-    assert logs[-1] > 390
-    assert np.max(np.abs(slopes / slopes[-1] - 1)) < 1e-3
-    assert max(value.error_bound for value in logs) < 1e-9
-
-
-@pytest.mark.slow
 def test_a_wide_noise_and_one_of_a_milliradian_lie_on_the_same_line():
     """ln T = V/σ² - n ln σ + c + O(σ²): what is left after V, n = 1 and c is of second order in σ."""
     sigmas = np.array([0.004, 0.002, 0.001])

@@ -5,8 +5,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, UniformNoise, hitting_probability
-from cyclemap.maps.lifts.scan import monotone_cells
-from cyclemap.maps.passages.uniform_passage import Intervals, Reach, uniform_hitting_probability, uniform_passage_time
+from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability, uniform_passage_time
 
 TWO_PI = 2 * np.pi
 STILL = CircleMap.rigid(0.0)
@@ -43,9 +42,6 @@ def simulated(circle_map, h, start, stop, walkers=20_000, seed=8):
 
 def inside(theta, ends):
     return np.mod(theta - ends[0], TWO_PI) <= ends[1] - ends[0]
-
-
-# -- passage times -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("h", [0.5, 0.47, 3.0])
@@ -130,9 +126,6 @@ def test_a_passage_beyond_double_precision_is_refused():
         uniform_passage_time(STICKY, UniformNoise(BARRIER + 0.02), 0.77, (0.0, 1.6))
 
 
-# -- hitting probabilities -----------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("circle_map", "h", "start", "a", "b"),
@@ -190,40 +183,3 @@ def test_paths_that_a_trap_swallows_count_for_neither_arc():
     for found, arc in zip(chances, arcs, strict=True):
         assert abs(found - np.mean(inside(last, arc))) < 4.5 * np.sqrt(found * (1 - found) / last.size)
     assert 0.2 < sum(chances) < 0.35
-
-
-@pytest.mark.slow
-def test_more_panels_tighten_the_bound_and_stay_within_it():
-    def chance(panels):
-        return uniform_hitting_probability(STICKY, UniformNoise(0.7), 2.6, (1.5, 2.0), (-0.2, 0.1), max_panels=panels)
-
-    coarse, fine = chance(24), chance(64)
-    assert abs(coarse - fine) <= coarse.error_bound + fine.error_bound
-    assert fine.error_bound < 1e-3 * coarse.error_bound
-
-
-# -- sets ----------------------------------------------------------------------------------------------------
-
-
-def test_a_trap_ends_where_the_extreme_steps_have_fixed_points():
-    """On (0, 1.6) with h = 0.2: paths above the fixed point of F + h that repels can leave, the others cannot."""
-    h = 0.2
-    domain = Intervals(np.array([0.0]), np.array([1.6]), True)
-    reach = Reach(STICKY, monotone_cells(STICKY, 1, 0.0, 512), h, domain)
-    basin = reach.basin(Intervals(np.array([1.6]), np.array([TWO_PI]), True))
-    repelling = np.pi - np.arcsin((0.2 * np.pi + h) / 0.9)
-    assert basin.start.size == 0 or np.all(basin.start >= min(repelling, 1.6) - 1e-9)
-    wide = Intervals(np.array([0.0]), np.array([3.0]), True)
-    reach = Reach(STICKY, reach.cells, h, wide)
-    basin = reach.basin(Intervals(np.array([3.0]), np.array([TWO_PI]), True))
-    np.testing.assert_allclose(basin.start, [repelling], atol=1e-8)
-    np.testing.assert_allclose(basin.end, [3.0], atol=1e-12)
-    trap = reach.without(basin)
-    np.testing.assert_allclose([trap.start[0], trap.end[0]], [0.0, repelling], atol=1e-8)
-
-
-def test_overlaps_are_counted_on_any_turn():
-    part = Intervals(np.array([1.0, 5.0]), np.array([2.0, 7.0]), True)
-    low = np.array([2.1, 1.9, 0.8, 1.5 + 40 * np.pi, 2.0, 4.9 - 60 * np.pi])
-    np.testing.assert_array_equal(part.overlaps(low, low + 0.15), [False, True, False, True, False, True])
-    assert not np.any(Intervals(part.start, part.end, False).overlaps(low[3:4], low[3:4] + 0.15))
