@@ -70,78 +70,16 @@ else:
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "BiasMonitor",
-    "CircleMap",
-    "CollectionLoop",
-    "ConvergenceError",
-    "Cycle",
-    "CycleMapError",
-    "DataFileError",
-    "DragBack",
-    "DriftingMap",
-    "Ellipse",
-    "EllipseFriction",
-    "InvalidInput",
-    "LimitSurface",
-    "Material",
-    "Noise",
-    "Orbit",
-    "PatchFootprint",
-    "PointFootprint",
-    "Polygon",
-    "Portrait",
-    "Pose",
-    "PushTable",
-    "Pusher",
-    "QuasiStaticModel",
-    "SidePush",
-    "Slider",
-    "SweepPlan",
-    "UniformNoise",
-    "UnsupportedContact",
-    "VonMises",
-    "WrappedCauchy",
-    "WrappedNormal",
-    "basins",
-    "collection",
-    "compare",
-    "design_reset",
-    "evidence",
-    "find_steps",
-    "fingerprint",
-    "fit_map",
-    "fixed_points",
-    "follow_orbit",
-    "hitting_probability",
-    "identify",
-    "load_material",
-    "load_pushes",
-    "lyapunov_exponent",
-    "maps",
-    "material_names",
-    "mean_passage_time",
-    "mechanics",
-    "periodic_orbits",
-    "periodic_points",
-    "portrait",
-    "predict",
-    "predict_staircase",
-    "read_protocol",
-    "replay_pushes",
-    "resets",
-    "rotation_interval",
-    "rotation_number",
-    "run_cycles",
-    "run_sweep",
-    "saddle_nodes",
-    "sample_staircase",
-    "simulate_collection",
-    "slow_passages",
-    "sweeps",
-    "tongue",
-    "tongues",
-    "transfer_operator",
-    "views",
-    "write_protocol",
-]
+__all__ = ["CollectionLoop", "Cycle", "Portrait", "fingerprint", "portrait", "predict", "run_cycles"]
+__all__ += ["collection", "evidence", "maps", "mechanics", "resets", "sweeps", "views"]
+__all__ += ["ConvergenceError", "CycleMapError", "DataFileError", "InvalidInput", "UnsupportedContact"]
+__all__ += ["PushTable", "compare", "fit_map", "identify", "load_pushes", "replay_pushes", "simulate_collection"]
+__all__ += ["CircleMap", "DriftingMap", "Noise", "Orbit", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
+__all__ += ["basins", "find_steps", "fixed_points", "follow_orbit", "hitting_probability", "lyapunov_exponent"]
+__all__ += ["mean_passage_time", "periodic_orbits", "periodic_points", "predict_staircase", "rotation_interval"]
+__all__ += ["rotation_number", "saddle_nodes", "sample_staircase", "slow_passages", "tongue", "tongues"]
+__all__ += ["transfer_operator"]
+__all__ += ["DragBack", "Ellipse", "EllipseFriction", "LimitSurface", "Material", "PatchFootprint", "PointFootprint"]
+__all__ += ["Polygon", "Pose", "Pusher", "QuasiStaticModel", "SidePush", "Slider", "load_material", "material_names"]
+__all__ += ["BiasMonitor", "design_reset", "read_protocol", "write_protocol"]
+__all__ += ["SweepPlan", "run_sweep"]

@@ -105,92 +105,24 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = [
-    "AngleHistogram",
-    "CircularLaw",
-    "CollectionModel",
-    "Comparison",
-    "CyclePairBlock",
-    "DataBlock",
-    "FittedMap",
-    "FunctionBlock",
-    "Identification",
-    "LawBand",
-    "MapAgreement",
-    "MeasuredCycleMap",
-    "MeasuredDrag",
-    "MeasuredOverlay",
-    "MeasuredPush",
-    "MeasuredStaircase",
-    "OrderScores",
-    "PValue",
-    "Parameter",
-    "ParameterSpace",
-    "PeriodicLaw",
-    "Probe",
-    "PushRecord",
-    "PushSet",
-    "PushStatistics",
-    "PushTable",
-    "RecordingNoise",
-    "Replay",
-    "ReplayedPushes",
-    "ScanRecord",
-    "SetFit",
-    "SetLaws",
-    "SimulatedCollection",
-    "SurfaceParameters",
-    "Theta0Pairs",
-    "TurnBins",
-    "TurnHistogram",
-    "UnreadableFile",
-    "Verdict",
-    "WornLaw",
-    "WrenchTwists",
-    "angle_histogram",
-    "circular_wasserstein",
-    "collected_blocks",
-    "collection_p_values",
-    "command_push",
-    "compare",
-    "comparison_table",
-    "contact_force_ratio",
-    "dataset_sliders",
-    "drag_turn_block",
-    "fit_map",
-    "fit_periodic_law",
-    "fit_set",
-    "fit_worn_law",
-    "friction_ellipse_from_scans",
-    "friction_scan_block",
-    "identified_material",
-    "identify",
-    "kernel_modes",
-    "kuiper_statistic",
-    "load_pushes",
-    "measured_cycle_map",
-    "measured_overlay",
-    "measured_staircase",
-    "probe",
-    "probe_pushes",
-    "published_comparison",
-    "push_end_block",
-    "push_sets",
-    "push_statistics",
-    "read_measured_drags",
-    "read_measured_pushes",
-    "read_push_file",
-    "read_theta0_pairs",
-    "read_wrench_twists",
-    "replay_push",
-    "replay_pushes",
-    "set_laws",
-    "simulate_collection",
-    "simulated_ensemble",
-    "simulated_push",
-    "total_variation",
-    "turn_bins",
-    "turn_histogram",
-    "watson_statistic",
-    "wrench_twist_block",
-]
+__all__ = ["Comparison", "Verdict", "compare"]
+__all__ += ["CyclePairBlock", "WrenchTwists", "collected_blocks", "drag_turn_block", "friction_ellipse_from_scans"]
+__all__ += ["friction_scan_block", "push_end_block", "read_wrench_twists", "wrench_twist_block"]
+__all__ += ["DataBlock", "FunctionBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
+__all__ += ["identify"]
+__all__ += ["identified_material"]
+__all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "OrderScores", "PeriodicLaw", "WornLaw", "fit_map"]
+__all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
+__all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
+__all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
+__all__ += ["comparison_table", "published_comparison"]
+__all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
+__all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
+__all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]
+__all__ += ["contact_force_ratio", "load_pushes", "measured_overlay", "read_measured_drags", "read_measured_pushes"]
+__all__ += ["read_push_file", "read_theta0_pairs", "turn_bins"]
+__all__ += ["RecordingNoise"]
+__all__ += ["Replay", "ReplayedPushes", "dataset_sliders", "replay_push", "replay_pushes"]
+__all__ += ["SimulatedCollection", "simulate_collection"]
+__all__ += ["MeasuredCycleMap", "PushSet", "PushStatistics", "SetFit", "SetLaws", "TurnHistogram", "fit_set"]
+__all__ += ["measured_cycle_map", "push_sets", "push_statistics", "set_laws", "turn_histogram"]

@@ -129,84 +129,20 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = [
-    "ARNOLD_FAMILY",
-    "MOEBIUS_FAMILY",
-    "Basin",
-    "Bifurcation",
-    "Branch",
-    "CircleMap",
-    "DriftSummary",
-    "DriftingMap",
-    "Estimate",
-    "JumpCrossing",
-    "LocalNoise",
-    "LyapunovExponents",
-    "Noise",
-    "Orbit",
-    "OrbitBranch",
-    "OrbitDiagram",
-    "ParametricLift",
-    "PeriodicPoints",
-    "RotationInterval",
-    "RotationNumber",
-    "RotationNumbers",
-    "RotationPlane",
-    "SlowPassage",
-    "SlowZone",
-    "Spectrum",
-    "Staircase",
-    "StaircaseSummary",
-    "StepComparison",
-    "Steps",
-    "Tongue",
-    "TongueBoundaries",
-    "TransferOperator",
-    "UniformNoise",
-    "VonMises",
-    "WrappedCauchy",
-    "WrappedNormal",
-    "basins",
-    "bifurcations",
-    "birkhoff_average",
-    "border_collisions",
-    "branches",
-    "compare_steps",
-    "compose",
-    "conjugate",
-    "crossings_by_jump",
-    "find_steps",
-    "fixed_points",
-    "follow_orbit",
-    "hitting_probability",
-    "inverse",
-    "is_nondecreasing",
-    "log10_passage_time",
-    "lower_envelope",
-    "lyapunov_exponent",
-    "lyapunov_exponents",
-    "mean_passage_time",
-    "nth_iterate",
-    "orbit_branches",
-    "orbit_diagram",
-    "period_doublings",
-    "periodic_orbits",
-    "periodic_points",
-    "predict_drift",
-    "predict_staircase",
-    "preimages",
-    "rotation_interval",
-    "rotation_number",
-    "rotation_numbers",
-    "rotation_plane",
-    "saddle_nodes",
-    "sample_staircase",
-    "sample_staircases",
-    "shifted",
-    "slow_passages",
-    "survival_probabilities",
-    "tongue",
-    "tongues",
-    "transfer_operator",
-    "upper_envelope",
-]
+__all__ = ["Estimate"]
+__all__ += ["ARNOLD_FAMILY", "MOEBIUS_FAMILY", "Bifurcation", "LyapunovExponents", "OrbitBranch", "OrbitDiagram"]
+__all__ += ["ParametricLift", "RotationNumbers", "RotationPlane", "Tongue", "TongueBoundaries", "bifurcations"]
+__all__ += ["border_collisions", "follow_orbit", "lyapunov_exponent", "lyapunov_exponents", "orbit_branches"]
+__all__ += ["orbit_diagram", "period_doublings", "rotation_numbers", "rotation_plane", "saddle_nodes", "tongue"]
+__all__ += ["tongues"]
+__all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
+__all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
+__all__ += ["Spectrum", "TransferOperator", "transfer_operator"]
+__all__ += ["Basin", "JumpCrossing", "Orbit", "PeriodicPoints", "RotationInterval", "RotationNumber", "SlowPassage"]
+__all__ += ["basins", "birkhoff_average", "crossings_by_jump", "fixed_points", "is_nondecreasing", "lower_envelope"]
+__all__ += ["periodic_orbits", "periodic_points", "rotation_interval", "rotation_number", "slow_passages"]
+__all__ += ["upper_envelope"]
+__all__ += ["hitting_probability", "log10_passage_time", "mean_passage_time", "survival_probabilities"]
+__all__ += ["DriftSummary", "DriftingMap", "LocalNoise", "SlowZone", "Staircase", "StaircaseSummary", "StepComparison"]
+__all__ += ["Steps", "compare_steps", "find_steps", "predict_drift", "predict_staircase", "sample_staircase"]
+__all__ += ["sample_staircases"]

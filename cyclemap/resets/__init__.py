@@ -58,45 +58,10 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = [
-    "Advice",
-    "Alarm",
-    "Audit",
-    "BiasMonitor",
-    "BiasReport",
-    "Coverage",
-    "CoverageState",
-    "CycleAction",
-    "Limit",
-    "MaterialRange",
-    "NextAction",
-    "OrientationLaw",
-    "ResetDemands",
-    "ResetDesign",
-    "ResetRow",
-    "ResetStrategy",
-    "Rest",
-    "StrategyRun",
-    "audit",
-    "design_reset",
-    "gripper_turns",
-    "histogram_distances",
-    "histogram_shares",
-    "independent_distance",
-    "legs",
-    "map_turns",
-    "material_range",
-    "next_action",
-    "on_material",
-    "orientation_law",
-    "read_protocol",
-    "read_schedule",
-    "run_strategy",
-    "sample_turns",
-    "sampled_orientations",
-    "steered_orientations",
-    "strategy_maps",
-    "watch",
-    "write_protocol",
-    "write_schedule",
-]
+__all__ = ["CycleAction", "Limit", "MaterialRange", "OrientationLaw", "ResetDemands", "ResetDesign", "ResetRow"]
+__all__ += ["ResetStrategy", "StrategyRun", "design_reset", "gripper_turns", "histogram_distances", "histogram_shares"]
+__all__ += ["independent_distance", "legs", "map_turns", "material_range", "on_material", "orientation_law"]
+__all__ += ["run_strategy", "sample_turns", "sampled_orientations", "steered_orientations", "strategy_maps"]
+__all__ += ["Advice", "Alarm", "Audit", "BiasMonitor", "BiasReport", "Coverage", "CoverageState", "NextAction", "Rest"]
+__all__ += ["audit", "next_action", "watch"]
+__all__ += ["read_protocol", "read_schedule", "write_protocol", "write_schedule"]

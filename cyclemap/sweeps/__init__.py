@@ -34,29 +34,10 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = [
-    "Grid",
-    "PointNumbers",
-    "PointOutcome",
-    "PortraitNumbers",
-    "Quantity",
-    "Sample",
-    "StoreWriteError",
-    "Sweep",
-    "SweepAxis",
-    "SweepPlan",
-    "SweepRange",
-    "SweepStatus",
-    "SweepStore",
-    "SweptLines",
-    "SweptPlane",
-    "SweptPoint",
-    "SweptScatter",
-    "load_sweep",
-    "run_sweep",
-    "sweep_curves",
-    "sweep_status",
-    "to_dataset",
-    "write_csv",
-    "write_netcdf",
-]
+__all__ = ["Grid", "Sample", "SweepAxis", "SweepRange"]
+__all__ += ["PointNumbers", "PointOutcome", "PortraitNumbers", "Quantity", "SweptPoint"]
+__all__ += ["run_sweep", "sweep_status"]
+__all__ += ["SweptLines", "SweptPlane", "SweptScatter", "sweep_curves"]
+__all__ += ["SweepPlan"]
+__all__ += ["Sweep", "load_sweep", "to_dataset", "write_csv", "write_netcdf"]
+__all__ += ["StoreWriteError", "SweepStatus", "SweepStore"]
