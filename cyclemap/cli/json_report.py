@@ -11,8 +11,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop, Cycle
-    from cyclemap.collection.portrait import Portrait
-    from cyclemap.collection.staircase_forecast import StaircaseForecast
+    from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, StepComparison, Steps

@@ -48,13 +48,11 @@ if TYPE_CHECKING:
         isotropic_twin,
     )
     from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
-    from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
-    from cyclemap.collection.fingerprint_prediction import Prediction, predict
+    from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
     from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, run_cycles
     from cyclemap.collection.outline_files import OutlineFile, read_outline
     from cyclemap.collection.own_object import CheckedCollection, check_collection
-    from cyclemap.collection.portrait import Portrait, portrait
-    from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+    from cyclemap.collection.portrait import Portrait, StaircaseForecast, portrait, staircase_forecast
     from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty, direction_uncertainty
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 else:

@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycle import Cycles, CycleTrajectory, StrokePair
-from cyclemap.collection.found_with import with_material
-from cyclemap.collection.settings import apply_settings
-from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.collection.settings import apply_settings, with_material
+from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
@@ -35,7 +34,6 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleSlopes, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
-from cyclemap.suggestions import unknown_name
 
 # What a map's error can be brought below, rad.
 _LEAST_TOLERANCE = 1e-9
@@ -66,7 +64,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
     def _repr_html_(self) -> str:
-        from cyclemap.collection.cycle_scene import cycle_scene
+        from cyclemap.collection.portrait_curves import cycle_scene
 
         scene = cycle_scene(self.loop, self)
         outlines = [Stroke(scene.push.before), Stroke(scene.push.after, BLUE), Stroke(scene.drag.after, GREY)]

@@ -20,8 +20,8 @@ from cyclemap.mechanics import SidePush
 from cyclemap.resets import OrientationLaw, ResetDesign, ResetStrategy
 from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views import style
-from cyclemap.views.map_panels import PER_DEGREE
 from cyclemap.views.object_page import number_sides
+from cyclemap.views.portrait_page import PER_DEGREE
 from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
 from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET
 
