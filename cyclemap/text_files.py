@@ -1,4 +1,4 @@
-"""Files of people: TOML, JSON and CSV, read so that a bad field can be named by its line; written whole or not at all."""
+"""Files of people: TOML, JSON and CSV, read so that a bad field can be named; all are written whole or not at all."""
 
 import csv
 import io

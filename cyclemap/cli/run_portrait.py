@@ -13,10 +13,8 @@ from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
-from cyclemap.evidence import measured_staircase
-from cyclemap.views import sentences, staircase_page
+from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
-from cyclemap.views.sentences import uncertainty_sentence
 
 if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
@@ -80,6 +78,9 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
+    from cyclemap.evidence import measured_staircase
+    from cyclemap.views import staircase_page
+
     chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, chosen.sigma
     measured = None if request.data is None else measured_staircase(request.data, request.seed)
@@ -101,7 +102,7 @@ def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | 
     if picture is None:
         return
     told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
-    told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
+    told.append(sentences.uncertainty_sentence(loop.material.name, forecast.uncertainty))
     if measured is not None:
         told += [staircase_page.measured_sentence(measured), staircase_page.fitted_sentence(measured)]
     words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"
