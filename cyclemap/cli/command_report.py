@@ -123,7 +123,7 @@ def _what_to_do(found: Portrait, sigma: float, progress: Progress) -> tuple[Sect
     from cyclemap.resets import design_reset
     from cyclemap.resets.protocol.protocol_file import protocol_text
     from cyclemap.views.report.report_page import Download, Section
-    from cyclemap.views.reset_sentences import design_sentences
+    from cyclemap.views.reset_page import design_sentences
 
     design = design_reset(found.loop, sigma=sigma, progress=progress)
     text = protocol_text(found.loop, design.chosen.strategy, noise=sigma)

@@ -92,7 +92,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
 
 def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
     """The strategy's actions, filled in by their loop, with their shares of the cycles."""
-    from cyclemap.views.reset_sentences import action_words
+    from cyclemap.views.reset_page import action_words
 
     return [
         {
