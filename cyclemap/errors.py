@@ -1,4 +1,7 @@
-"""The errors cyclemap raises: one base, and the few kinds a caller may want to tell apart."""
+"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, and that of unknown names."""
+
+import difflib
+from collections.abc import Iterable
 
 
 class CycleMapError(Exception):
@@ -39,3 +42,15 @@ class EngineNotBuilt(CycleMapError):
 
 class DoubtfulInput(UserWarning):
     """A value that can be used and is likely not meant: the message names the value and what it may be."""
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> InvalidInput:
+    """Return the error for a `name` that is not among the `known` ones.
+
+    >>> print(unknown_name("material", "plywod", ["plywood", "abs"]))
+    unknown material 'plywod': did you mean 'plywood'? Known: abs, plywood
+    """
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return InvalidInput(f"unknown {kind} {name!r}: {hint}Known: {', '.join(names)}")

@@ -17,8 +17,7 @@ from cyclemap.views.experiment_page import (
 )
 from cyclemap.views.style import new_figure, picture_style
 
-from .catalogue import PaperFigure
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperFigure
 
 
 def compute(measured: MeasuredFolder, batches: int = BATCHES, cycles: int = CYCLES) -> BatchExperiment:

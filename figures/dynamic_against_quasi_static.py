@@ -13,8 +13,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
-from .catalogue import PaperFigure
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperFigure
 
 ORIENTATIONS = 12
 # Of the rod, m/s.

@@ -11,8 +11,14 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, with_anisotropy
-from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction, full_lock_in
-from cyclemap.collection.fingerprint_prediction import Prediction, first_order_lock_in, lock_in_boundary
+from cyclemap.collection.fingerprint_prediction import (
+    Prediction,
+    PredictionCheck,
+    check_prediction,
+    first_order_lock_in,
+    full_lock_in,
+    lock_in_boundary,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.fingerprint_page import draw_prediction
 from cyclemap.views.style import (
@@ -27,8 +33,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import PaperFigure
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperFigure
 
 INCHES = (13.333, 4.6)
 SCALES = 2.0 ** -np.arange(0.0, 6.0)

@@ -22,8 +22,7 @@ from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
-from .catalogue import PaperFigure
-from .measured_folder import NO_DATA, MeasuredFolder
+from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
 from .measured_sets import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]

@@ -31,8 +31,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import PaperFigure
-from .measured_folder import NO_DATA, MeasuredFolder
+from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
 
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.

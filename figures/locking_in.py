@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.portrait_curves import placed
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
@@ -35,8 +35,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import Frame, PaperAnimation
-from .measured_folder import MeasuredFolder
+from .catalogue import Frame, MeasuredFolder, PaperAnimation
 
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.

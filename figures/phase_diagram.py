@@ -21,7 +21,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
 
-from .catalogue import PaperFigure
+from .catalogue import MeasuredFolder, PaperFigure
 from .loop_family import (
     LoopFamily,
     RingFold,
@@ -32,7 +32,6 @@ from .loop_family import (
     with_anisotropy_times,
     with_ring_at,
 )
-from .measured_folder import MeasuredFolder
 
 MM = 1000.0
 RADII, SCALES = (0.006, 0.034), (0.0, 1.5)

@@ -23,7 +23,7 @@ from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
 
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder
 from .measured_sets import listed, measured_run, measured_theta0, not_found, push_file_names, readable_pushes
 from .simulated_collections import NOISE, STANDS_FOR
 

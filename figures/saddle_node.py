@@ -18,9 +18,8 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
-from .catalogue import PaperFigure
+from .catalogue import MeasuredFolder, PaperFigure
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
-from .measured_folder import MeasuredFolder
 
 MM = 1000.0
 RADII = (0.008, 0.0155)

@@ -11,12 +11,11 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Circle, Polygon
 
 from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.portrait_curves import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, arrow, new_figure, picture_style
 
-from .catalogue import PaperFigure
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperFigure
 
 MM = 1000.0
 # Where the first cycle starts: there the cycle turns the object enough to be seen.

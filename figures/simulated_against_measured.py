@@ -30,8 +30,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import PaperFigure
-from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
 from .measured_sets import MeasuredRun, measured_run, measured_theta0
 
 SURFACE = "plywood"

@@ -27,7 +27,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder
 from .measured_sets import MeasuredRun, measured_run
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it

@@ -50,9 +50,8 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
 from .loop_family import with_ring_at
-from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.
 WEAR_DEGREE = 2

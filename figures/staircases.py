@@ -14,12 +14,11 @@ from cyclemap.evidence.tables.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
 from cyclemap.views.fit_page import CIRCLE
-from cyclemap.views.map_panels import draw_staircase
+from cyclemap.views.portrait_page import draw_staircase
 from cyclemap.views.style import PREDICTED_FILL, legend_above
 
-from .catalogue import PaperFigure
+from .catalogue import MeasuredFolder, PaperFigure
 from .material_panels import draw_materials
-from .measured_folder import MeasuredFolder
 from .measured_sets import measured_theta0, not_found
 from .simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
 

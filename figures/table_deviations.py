@@ -10,8 +10,7 @@ from cyclemap.arrays import Array
 from cyclemap.evidence import PushStatistics, push_statistics
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 
-from .catalogue import PaperTable
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperTable
 from .measured_sets import not_found
 from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, absent, material_pushes
 

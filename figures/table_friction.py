@@ -10,8 +10,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import friction_ellipse_from_scans
 from cyclemap.mechanics import EllipseFriction, load_material
 
-from .catalogue import PaperTable
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperTable
 from .measured_sets import listed, measured_scans, not_found
 from .simulated_collections import SIMULATED
 

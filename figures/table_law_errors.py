@@ -10,8 +10,7 @@ from cyclemap.evidence import SetLaws
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 from cyclemap.evidence.tables.set_fit import MotionLaw
 
-from .catalogue import PaperTable
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperTable
 from .measured_sets import listed, not_found
 from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, absent, fitted_laws, material_pushes
 

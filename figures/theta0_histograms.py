@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.views.fit_page import CIRCLE, THETA0
-from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram
+from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
-from .catalogue import PaperFigure
+from .catalogue import MeasuredFolder, PaperFigure
 from .material_panels import draw_materials
-from .measured_folder import MeasuredFolder
 from .measured_sets import listed, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
 

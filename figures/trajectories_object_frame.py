@@ -10,8 +10,7 @@ from cyclemap.arrays import Array
 from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
-from .catalogue import PaperFigure
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperFigure
 from .pushed_paths import (
     CYCLES,
     DRAWN,

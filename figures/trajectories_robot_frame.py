@@ -11,8 +11,7 @@ from cyclemap.arrays import Array, shorter_way
 from cyclemap.evidence.pushes.theta0_statistics import angle_histogram
 from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
 
-from .catalogue import PaperFigure
-from .measured_folder import MeasuredFolder
+from .catalogue import MeasuredFolder, PaperFigure
 from .pushed_paths import (
     CYCLES,
     DRAWN,

@@ -13,9 +13,8 @@ from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
 from cyclemap.views.style import picture_style, say
 
-from .catalogue import PaperFigure
+from .catalogue import MeasuredFolder, PaperFigure
 from .material_panels import as_simulated, material_grid
-from .measured_folder import MeasuredFolder
 from .measured_sets import measured_run, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
 

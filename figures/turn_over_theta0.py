@@ -13,9 +13,8 @@ from cyclemap.evidence.tables.set_fit import MotionLaw
 from cyclemap.views.fit_page import CIRCLE, draw_law
 from cyclemap.views.style import INK, QUIET, legend_above
 
-from .catalogue import PaperFigure
+from .catalogue import MeasuredFolder, PaperFigure
 from .material_panels import as_simulated, draw_materials
-from .measured_folder import MeasuredFolder
 from .measured_sets import MeasuredRun, listed, measured_run, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
 

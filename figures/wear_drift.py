@@ -27,8 +27,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import PaperFigure
-from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
 
 MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)

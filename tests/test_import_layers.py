@@ -32,9 +32,7 @@ SHARED = {
     "checks": 1,
     "file_text": 1,
     "inline_svg": 1,
-    "suggestions": 1,
     "text_files": 1,
-    "whole_files": 1,
 }
 DOORS = {"__init__": 9, "__main__": 9}
 ALL_RANKS = RANK | SHARED | DOORS

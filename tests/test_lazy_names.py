@@ -13,7 +13,7 @@ from cyclemap.lazy_names import import_on_first_use
 ROOMS = ("maps", "mechanics", "collection", "evidence", "sweeps", "resets")
 # Functions that are called like the module they are in.
 NAMESAKES = (
-    *("collection.batch_experiment", "collection.fingerprint", "collection.portrait", "collection.staircase_forecast"),
+    *("collection.batch_experiment", "collection.fingerprint", "collection.portrait"),
     *("sweeps.run_sweep", "sweeps.sweep_curves"),
 )
 

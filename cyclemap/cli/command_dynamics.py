@@ -13,8 +13,8 @@ from cyclemap.cli.options import LoopOptions, Real, loop_options, result_options
 
 if TYPE_CHECKING:
     from cyclemap.cli.json_report import Json
-    from cyclemap.collection.cycle import Cycles
     from cyclemap.collection.dynamic_loop import DynamicsComparison
+    from cyclemap.collection.loop import Cycles
 
 COLUMNS = ("law", "θ0 (°)", "model", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "next θ0 (°)")
 

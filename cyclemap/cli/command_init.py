@@ -61,7 +61,7 @@ def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
     from cyclemap.collection.portrait import DEFAULT_SIGMA
     from cyclemap.collection.setting_table import SETTINGS, without_noise
     from cyclemap.collection.settings import layered
-    from cyclemap.whole_files import write_whole
+    from cyclemap.text_files import write_whole
 
     own, sigma = without_noise(set_settings(asked["settings"]))
     first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
@@ -133,9 +133,9 @@ def tell_check(file: Path, picture: Path, json_target: str | None, said: list[st
     from cyclemap.cli.output import PeopleConsole, publish_json
     from cyclemap.collection.own_object import check_collection
     from cyclemap.errors import InvalidInput
+    from cyclemap.text_files import write_whole
     from cyclemap.views.object_page import object_page
     from cyclemap.views.style import render
-    from cyclemap.whole_files import write_whole
 
     found = check_collection(file)
     wrong = [finding.words for finding in found.findings if finding.wrong]

@@ -48,10 +48,10 @@ def report_command(
     from cyclemap.collection.portrait_curves import portrait_curves
     from cyclemap.evidence.comparison.collection_data import collection_data
     from cyclemap.plain_text import typeset
+    from cyclemap.text_files import write_whole
     from cyclemap.views.portrait_page import portrait_page
     from cyclemap.views.report.report_page import Section, report_html, ring_answers
     from cyclemap.views.style import render
-    from cyclemap.whole_files import write_whole
 
     loop, chosen = chosen_loop(options)
     sigma = DEFAULT_SIGMA if chosen is None else chosen
@@ -123,7 +123,7 @@ def _what_to_do(found: Portrait, sigma: float, progress: Progress) -> tuple[Sect
     from cyclemap.resets import design_reset
     from cyclemap.resets.protocol.protocol_file import protocol_text
     from cyclemap.views.report.report_page import Download, Section
-    from cyclemap.views.reset_sentences import design_sentences
+    from cyclemap.views.reset_page import design_sentences
 
     design = design_reset(found.loop, sigma=sigma, progress=progress)
     text = protocol_text(found.loop, design.chosen.strategy, noise=sigma)

@@ -60,8 +60,7 @@ def reset_command(
         write_protocol,
         write_schedule,
     )
-    from cyclemap.views.reset_page import reset_page
-    from cyclemap.views.reset_sentences import COLUMNS, design_sentences, miss_sentences, row_cells
+    from cyclemap.views.reset_page import COLUMNS, design_sentences, miss_sentences, reset_page, row_cells
     from cyclemap.views.sentences import material_line
 
     reach, contact = (None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm))
@@ -100,7 +99,7 @@ def reset_command(
 def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
     """The report of `cyclemap reset`; the chosen row is the first."""
     from cyclemap.cli.json_report import actions_report, degrees
-    from cyclemap.views.reset_sentences import miss_sentences, recipe
+    from cyclemap.views.reset_page import miss_sentences, recipe
 
     rows: list[Json] = [
         {

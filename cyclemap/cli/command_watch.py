@@ -150,7 +150,7 @@ def _conclude(
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     """What the monitor tells, and what to do next where a strategy is followed."""
     from cyclemap.cli.json_report import degrees, direction_deg, number
-    from cyclemap.views.reset_sentences import action_words
+    from cyclemap.views.reset_page import action_words
 
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice
     told: Json = {

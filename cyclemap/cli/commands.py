@@ -75,7 +75,7 @@ def staircase_command(
     **request: Any,
 ) -> None:  # fmt: skip
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
-    from cyclemap.cli.run_staircase import run_staircase
+    from cyclemap.cli.run_portrait import run_staircase
 
     measured = measured_orientations(data, columns, units, request["out"])
     run_staircase(options, RunRequest(measured, **request), json_target)

@@ -11,8 +11,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop, Cycle
-    from cyclemap.collection.portrait import Portrait
-    from cyclemap.collection.staircase_forecast import StaircaseForecast
+    from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, StepComparison, Steps
@@ -93,7 +92,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
 
 def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
     """The strategy's actions, filled in by their loop, with their shares of the cycles."""
-    from cyclemap.views.reset_sentences import action_words
+    from cyclemap.views.reset_page import action_words
 
     return [
         {

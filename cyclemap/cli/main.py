@@ -37,8 +37,7 @@ from cyclemap.cli.commands import (
     staircase_command,
     sweep_command,
 )
-from cyclemap.cli.complaints import one_line, told_warnings
-from cyclemap.cli.options import quiet_option
+from cyclemap.cli.options import one_line, quiet_option, told_warnings
 from cyclemap.errors import CycleMapError, InvalidInput
 
 # Pictures go to files: no screen that the user's own drawing wants, be it there or not.

@@ -1,10 +1,12 @@
-"""The options that commands share, and what they come to: which loop, which run."""
+"""The options that commands share, what they come to (which loop, which run), and what is said against them."""
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -12,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.errors import InvalidInput
-from cyclemap.plain_text import plain_number, plain_whole
+from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.plain_text import plain_number, plain_whole, printable
 
 if TYPE_CHECKING:
     from cyclemap.evidence import Theta0Pairs
+
 
 _QUIET = "cyclemap.quiet"
 PATH: Any = click.Path(path_type=Path)
@@ -199,7 +202,7 @@ def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
 def readable_data(data: Path, columns: str | None, units: str | None, out: Path) -> Path:
     """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
     from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
-    from cyclemap.whole_files import file_stem, write_whole
+    from cyclemap.text_files import file_stem, write_whole
 
     if columns is None and units is None and not is_own(data):
         return data
@@ -217,3 +220,36 @@ def measured_orientations(data: Path | None, columns: str | None, units: str | N
     from cyclemap.evidence.comparison.collection_data import measured_pairs
 
     return measured_pairs(readable_data(data, columns, units, out))
+
+
+# Letters of a line: what repeats its input may go on for ever.
+_LONGEST = 4000
+_told: list[str] = []
+
+
+def one_line(message: str) -> str:
+    """Return a message as one line that a terminal can show."""
+    line = printable(" ".join(message.split()))
+    return line if len(line) <= _LONGEST else f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
+
+
+def warnings_so_far() -> list[str]:
+    """The doubts that this command has told."""
+    return list(_told)
+
+
+@contextmanager
+def told_warnings() -> Iterator[None]:
+    """Tell each doubt about the input once, as long as the block lasts."""
+    _told.clear()
+
+    def show(message: Warning | str, category: type[Warning], *place: object) -> None:
+        line = one_line(str(message))
+        if line not in _told:
+            _told.extend([line] if issubclass(category, DoubtfulInput) else [])
+            click.echo(f"warning: {line}", err=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", DoubtfulInput)
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield

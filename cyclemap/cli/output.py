@@ -16,12 +16,11 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.complaints import warnings_so_far
 from cyclemap.cli.json_report import Json, json_text
-from cyclemap.cli.options import is_quiet
+from cyclemap.cli.options import is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
-from cyclemap.whole_files import file_stem as file_stem
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import file_stem as file_stem
+from cyclemap.text_files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

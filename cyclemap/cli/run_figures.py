@@ -11,11 +11,9 @@ from rich.table import Table
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, write_json
 from cyclemap.errors import CycleMapError, DataFileError
-from cyclemap.figures.catalogue import Entry, entries, load_exhibit
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
-from cyclemap.text_files import read_json
-from cyclemap.whole_files import only_writer, write_whole
+from cyclemap.text_files import only_writer, read_json, write_whole
 
 INDEX_FILE = "figures.json"
 _KEYS = ("name", "title", "source", "caption", "file", "measured")

@@ -8,8 +8,7 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint
-from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
-from cyclemap.collection.fingerprint_prediction import Prediction, predict
+from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit

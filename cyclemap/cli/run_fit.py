@@ -11,16 +11,14 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish, publish_json
-from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
 from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set
 from cyclemap.plain_text import plain_number
-from cyclemap.suggestions import unknown_name
-from cyclemap.views.fit_page import fit_page
-from cyclemap.views.fit_sentences import set_sentences
+from cyclemap.views.fit_page import fit_page, set_sentences
 
 # Bad files are told by name up to this many, and counted beyond.
 MOST_NAMED = 10

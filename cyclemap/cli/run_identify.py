@@ -12,11 +12,10 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
-from cyclemap.collection.collection_file import collection_text
-from cyclemap.collection.found_with import with_material
+from cyclemap.collection.collection_file import collection_text, loop_tables
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_settings import loop_tables
 from cyclemap.collection.setting_table import NOISE_KEY
+from cyclemap.collection.settings import with_material
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.cross_validation import KindErrors
@@ -28,9 +27,9 @@ from cyclemap.evidence.identified_material import identified_material, readable_
 from cyclemap.mechanics import EllipseFriction, Material, load_material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.plain_text import plain_number
+from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
 
 # How units are named in the report.
 _NAMES = {"°": "deg", " mm": "mm", "": "1"}

@@ -18,8 +18,7 @@ from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
-from cyclemap.views.reset_page import strategy_page
-from cyclemap.views.reset_sentences import recipe
+from cyclemap.views.reset_page import recipe, strategy_page
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"

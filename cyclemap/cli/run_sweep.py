@@ -13,8 +13,7 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
 from cyclemap.cli.settings import set_settings, told_settings
 from cyclemap.collection.settings import layered, warn_of_defaults
-from cyclemap.errors import InvalidInput
-from cyclemap.suggestions import unknown_name
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
@@ -22,9 +21,9 @@ from cyclemap.sweeps.sweep_curves import sweep_curves
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
+from cyclemap.text_files import write_whole
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
-from cyclemap.whole_files import write_whole
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2

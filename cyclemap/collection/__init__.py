@@ -39,7 +39,6 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
-    from cyclemap.collection.cycle import Cycles, CycleTrajectory
     from cyclemap.collection.dynamic_loop import (
         DynamicCycle,
         DynamicLoop,
@@ -48,13 +47,11 @@ if TYPE_CHECKING:
         isotropic_twin,
     )
     from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
-    from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
-    from cyclemap.collection.fingerprint_prediction import Prediction, predict
-    from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, run_cycles
+    from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
+    from cyclemap.collection.loop import CollectionLoop, Cycle, Cycles, CycleSensitivity, CycleTrajectory, run_cycles
     from cyclemap.collection.outline_files import OutlineFile, read_outline
     from cyclemap.collection.own_object import CheckedCollection, check_collection
-    from cyclemap.collection.portrait import Portrait, portrait
-    from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+    from cyclemap.collection.portrait import Portrait, StaircaseForecast, portrait, staircase_forecast
     from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty, direction_uncertainty
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 else:

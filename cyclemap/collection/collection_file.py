@@ -9,19 +9,151 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from decimal import Decimal
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.loop_settings import loop_tables, plain_numbers
-from cyclemap.collection.setting_table import NOISE_KEY, Settings, setting_named, without_noise
-from cyclemap.collection.settings import warn_of_defaults
+from cyclemap.collection.setting_table import (
+    ALWAYS,
+    NOISE_KEY,
+    OWN,
+    SETTINGS,
+    SHARES,
+    WORD,
+    Setting,
+    Settings,
+    setting_named,
+    without_noise,
+)
+from cyclemap.collection.settings import OWN_OUTLINE, warn_of_defaults
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.file_text import Table, check_checksum, located, toml_text
+from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
 from cyclemap.maps import WrappedNormal
-from cyclemap.mechanics import load_material
+from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, load_material, parse_footprint
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import key_place, read_text, read_toml
+
+# A loop read back may differ by rounding: settings are doubles in millimetres and degrees.
+_ROUNDING = 1e-12
+_LARGEST_GRID = 64
+# The tables of a file, and the groups of settings that stand in each.
+_TABLES = {"object": ("Object", "Pressure"), "push": ("Push", "Rod"), "reset": ("Ring",)}
+# Settings that are read off a loop one by one; its outline, name, pressure and surface are not.
+_READ_OFF = [
+    one
+    for one in SETTINGS.values()
+    if one.group in ("Object", "Ring", "Push", "Rod") and one.kind != WORD and one.place != "slider.outline"
+]
+
+
+def loop_tables(loop: CollectionLoop) -> dict[str, Settings]:
+    """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by their part.
+
+    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction.
+    What a material brings along is else told only where the loop has it otherwise, so that another material brings its
+    own. Not told: the friction of the surface, the accuracy, and the inertia of an outline that is not MIT's. Raises
+    InvalidInput for what no setting can say: support points that are neither corners nor a grid.
+    """
+    base = CollectionLoop.mit(loop.material)
+    shape = _shape(loop.slider)
+    own = "shape" not in shape
+    # An own object's ring is told in any case: MIT's would lie beside it.
+    ring = {key: _written(SETTINGS[key], loop) for key in ("hitch_x_mm", "hitch_y_mm")} if own else {}
+    start = CollectionLoop.from_settings(plain_numbers({**shape, **ring}), base)
+    told = {**shape, **_footprint(loop, start)}
+    for setting in _READ_OFF:
+        always = setting.told == ALWAYS or (own and setting.told == OWN)
+        # A coordinate says a place only beside the other.
+        part = setting.place.removesuffix(".0").removesuffix(".1")
+        if always or not _same(attrgetter(part)(loop), attrgetter(part)(start)):
+            told[setting.key] = _written(setting, loop)
+    tables = {
+        name: {key: told[key] for key, setting in SETTINGS.items() if key in told and setting.group in groups}
+        for name, groups in _TABLES.items()
+    }
+    found = CollectionLoop.from_settings(plain_numbers(told), base)
+    lost = [] if _same(loop.slider.outline_points(8), found.slider.outline_points(8)) else ["outline"]
+    lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
+    # A footprint that is left to the centre of mass is compared as what it comes to.
+    pressures = [
+        one.footprint or PatchFootprint(one.slider.outline, centre=one.slider.centre_of_mass) for one in (loop, found)
+    ]
+    lost += [] if _same_footprint(*pressures) else ["footprint"]
+    if lost:
+        raise InvalidInput(f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as it was")
+    return {name: table for name, table in tables.items() if table}
+
+
+def plain_numbers(value: Any) -> Any:
+    """Return a value of a file with doubles in place of decimals, in lists and tables too."""
+    if isinstance(value, dict):
+        return {key: plain_numbers(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [plain_numbers(part) for part in value]
+    return float(value) if isinstance(value, Decimal) else value
+
+
+def _written(setting: Setting, loop: CollectionLoop) -> object:
+    """What a file says of a setting of the loop: the double that, read, comes nearest."""
+    value = setting.of(loop)
+    if isinstance(value, tuple):
+        return [[_decimal(setting.unit, part) for part in place] for place in value]
+    return value if setting.unit is NUMBER else _decimal(setting.unit, value)
+
+
+def _decimal(unit: Unit, value: float) -> Decimal:
+    return Decimal(repr(float(unit.written(value))))
+
+
+def _shape(slider: Slider) -> Settings:
+    for shape in MIT_SHAPE_NAMES:
+        if Slider.mit(shape).outline == slider.outline:
+            return {"shape": shape}
+    name: Settings = {} if slider.name == OWN_OUTLINE else {"object_name": slider.name}
+    if isinstance(slider.outline, Ellipse):
+        semi_axes = {"semi_x_mm": slider.outline.semi_x, "semi_y_mm": slider.outline.semi_y}
+        return {key: _decimal(MILLIMETRES, value) for key, value in semi_axes.items()} | name
+    assert isinstance(slider.outline, Polygon)
+    vertices = [[_decimal(MILLIMETRES, x) for x in vertex] for vertex in slider.outline.array.tolist()]
+    return {"vertices_mm": vertices} | name
+
+
+def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
+    found = loop.footprint
+    if _same_footprint(found, start.footprint):
+        return {}
+    if found is None:
+        return {"footprint": "exact"}
+    if isinstance(found, PatchFootprint):
+        return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
+    names = ["corners"] if isinstance(loop.slider.outline, Polygon) else []
+    for name in (*names, *(f"grid:{count}" for count in range(2, _LARGEST_GRID + 1))):
+        if _same_footprint(found, parse_footprint(name, loop.slider.outline)):
+            return {"footprint": name}
+    raise InvalidInput(
+        f"{len(found.positions)} support points are neither corners nor a grid: a protocol names them by their CSV "
+        "file; write it without them, and add footprint = FILE.csv by hand"
+    )
+
+
+def _same_footprint(one: object, other: object) -> bool:
+    if isinstance(one, PointFootprint) and isinstance(other, PointFootprint):
+        return _same(one.positions, other.positions) and _same(one.weights, other.weights)
+    if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
+        alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
+        return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
+    return one is None and other is None
+
+
+def _same(one: object, other: object) -> bool:
+    a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+    return a.shape == b.shape and bool(np.all(np.abs(a - b) <= _ROUNDING))
+
 
 STRATEGY, PREDICTED, SIMULATION = "strategy", "predicted", "simulation"
 # Data folders keep the collection that they are of under this name.

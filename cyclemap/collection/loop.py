@@ -1,4 +1,6 @@
-"""The data-collection loop: one push and one drag back, as a map of the object's orientation."""
+"""The data-collection loop: its cycles of one push and one drag back, as a map of the object's orientation."""
+
+from __future__ import annotations
 
 import math
 import warnings
@@ -6,17 +8,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.cycle import Cycles, CycleTrajectory, StrokePair
-from cyclemap.collection.found_with import with_material
-from cyclemap.collection.settings import apply_settings
-from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.collection.settings import apply_settings, with_material
+from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
@@ -33,9 +33,128 @@ from cyclemap.mechanics import (
     Trajectory,
     load_material,
 )
-from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleSlopes, run_batch
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, CycleSlopes, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
-from cyclemap.suggestions import unknown_name
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory
+
+P = TypeVar("P", bound="PushResult | DynamicPush")
+D = TypeVar("D", bound="DragResult | DynamicDrag")
+T = TypeVar("T", bound="Trajectory | DynamicTrajectory")
+
+
+@dataclass(frozen=True, eq=False)
+class CycleTrajectory(Generic[T]):
+    """The course of a cycle in the world, whose origin is the reset's target."""
+
+    push: T
+    drag: T
+
+
+@dataclass(frozen=True, eq=False)
+class StrokePair(Generic[P, D]):
+    """A push from orientation `theta` (rad) and the drag that followed it."""
+
+    theta: float
+    push: P
+    drag: D
+
+    @property
+    def push_turn(self) -> float:
+        """Turn during the push, rad."""
+        return self.push.turn
+
+    @property
+    def push_displacement(self) -> NDArray[np.float64]:
+        """Displacement of the object's origin during the push, in its initial frame, (2,), m."""
+        return self.push.displacement
+
+    @property
+    def drag_turn(self) -> float:
+        """Turn during the drag, rad."""
+        return self.drag.turn
+
+    @property
+    def drag_length(self) -> float:
+        """Path of the ring during the drag, m."""
+        return self.drag.length
+
+    @property
+    def theta_next(self) -> float:
+        """Orientation before the next push, rad, on the lift."""
+        return self.drag.end.theta
+
+    @property
+    def ended(self) -> str:
+        """Why the push ended: `distance`, or `left` where the rod lost the object."""
+        return self.push.ended
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """Many cycles as arrays, in the shape (...) of the orientations they start from.
+
+    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m, initial object frame.
+    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's distance was done.
+    """
+
+    theta: NDArray[np.float64]
+    push_turn: NDArray[np.float64]
+    push_displacement: NDArray[np.float64]
+    drag_turn: NDArray[np.float64]
+    drag_length: NDArray[np.float64]
+    theta_next: NDArray[np.float64]
+    left: NDArray[np.bool_]
+
+    @classmethod
+    def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> Cycles:
+        """Return the runs from the orientations theta (...), in its order, as arrays."""
+        shapes = {field.name: theta.shape for field in fields(cls)[1:-1]} | {"push_displacement": (*theta.shape, 2)}
+        columns = {name: np.array([getattr(run, name) for run in runs], dtype=float) for name in shapes}
+        left = np.array([run.ended == "left" for run in runs]).reshape(theta.shape)
+        return cls(theta, left=left, **{name: columns[name].reshape(shape) for name, shape in shapes.items()})
+
+    def to_frame(self) -> pandas.DataFrame:
+        """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx, push_dy (rad, m).
+
+        >>> from cyclemap import CollectionLoop
+        >>> CollectionLoop.mit().cycles([0.0, 1.0]).to_frame().drag_length.round(3).tolist()
+        [0.093, 0.097]
+        """
+        import pandas
+
+        return pandas.DataFrame({name: values.ravel() for name, values in self._columns().items()})
+
+    def to_dataset(self, *axes: str) -> xarray.Dataset:
+        """Return the cycles as an xarray Dataset over the axes of theta, by the names given; variables as `to_frame`.
+
+        Raises InvalidInput where names and axes differ in number.
+
+        >>> from cyclemap import CollectionLoop, run_cycles
+        >>> dict(run_cycles([CollectionLoop.mit()], [0.0, 1.0]).to_dataset("loop", "start").sizes)
+        {'loop': 1, 'start': 2}
+        """
+        import xarray
+
+        if len(axes) != self.theta.ndim:
+            raise InvalidInput(f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one for each")
+        return xarray.Dataset({name: (axes, values) for name, values in self._columns().items()})
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
+        return columns | {"push_dx": dx, "push_dy": dy}
+
+    @classmethod
+    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
+        """Return what the engine ran from the orientations theta (...), in its order."""
+        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
+        return cls(theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns))
+
 
 # What a map's error can be brought below, rad.
 _LEAST_TOLERANCE = 1e-9
@@ -53,7 +172,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
     push, drag : the results of both strokes. loop : what was run.
     """
 
-    loop: "CollectionLoop"
+    loop: CollectionLoop
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is run anew: the strokes hold CasADi's buffers, which cannot leave their process.
@@ -66,7 +185,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
     def _repr_html_(self) -> str:
-        from cyclemap.collection.cycle_scene import cycle_scene
+        from cyclemap.collection.portrait_curves import cycle_scene
 
         scene = cycle_scene(self.loop, self)
         outlines = [Stroke(scene.push.before), Stroke(scene.push.after, BLUE), Stroke(scene.drag.after, GREY)]
@@ -129,7 +248,7 @@ class CollectionLoop:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
-    def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> "CollectionLoop":
+    def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:
         """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
 
         `material`: a built-in name, a TOML file or a `Material`, which brings what was found with it (pusher friction,
@@ -140,14 +259,14 @@ class CollectionLoop:
         return replace(with_material(cls(slider, surface), surface), **changes)
 
     @classmethod
-    def from_file(cls, path: str | Path, surface: str | Path | None = None) -> "CollectionLoop":
+    def from_file(cls, path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
         """Return the loop of a collection file, such as `cyclemap init` writes; see `read_collection`."""
         from cyclemap.collection.collection_file import read_collection
 
         return read_collection(path, surface)
 
     @classmethod
-    def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":
+    def from_settings(cls, settings: dict[str, object], base: CollectionLoop | None = None) -> CollectionLoop:
         """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line."""
         return apply_settings(base or cls.mit(), settings)
 

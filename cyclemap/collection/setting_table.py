@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_array, finite_number, positive_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit
 from cyclemap.plain_text import json_value, plain_number
-from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop

@@ -1,4 +1,4 @@
-"""Settings in degrees and millimetres, by name: what the command line and protocol files change of a loop."""
+"""What is changed of a loop: by settings in degrees and millimetres, by name, and by what a material brings along."""
 
 import warnings
 from collections.abc import Iterator
@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_number
-from cyclemap.collection.found_with import plate_footprint
 from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHARES, Settings
-from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics import (
     Ellipse,
     Footprint,
@@ -21,11 +20,11 @@ from cyclemap.mechanics import (
     parse_footprint,
 )
 from cyclemap.mechanics.outline import Outline
-from cyclemap.suggestions import unknown_name
-from cyclemap.whole_files import file_stem
+from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
+
 
 # What an outline that is not MIT's is called until it is given a name.
 OWN_OUTLINE = "own outline"
@@ -168,3 +167,39 @@ def _si(key: str, value: object) -> float:
 def _points(settings: Settings, key: str) -> tuple[tuple[float, float], ...]:
     points = SETTINGS[key].checked(settings[key])
     return tuple((_si(key, x), _si(key, y)) for x, y in points)  # type: ignore[attr-defined]
+
+
+def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop":
+    """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure."""
+    found = material.found_with
+    loop = replace(loop, material=material)
+    if found.pusher_friction is not None:
+        loop = replace(loop, pusher=replace(loop.pusher, friction=found.pusher_friction))
+    if found.pin_friction_radius is not None:
+        loop = replace(loop, reset=replace(loop.reset, pin_friction_radius=found.pin_friction_radius))
+    pressure = plate_footprint(material, loop.slider)
+    return loop if pressure is None else replace(loop, footprint=pressure)
+
+
+def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
+    """Return how an object presses on a material that knows its plate by the object's name; None where it does not."""
+    known = material.pressure_of(slider.name)
+    if known is None:
+        return None
+    return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
+
+
+def sampled_loop(loop: "CollectionLoop", number: int) -> "CollectionLoop":
+    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
+
+    Raises InvalidInput where there is no such sample.
+    """
+    stated, sample = loop.material, loop.material.sample(number)
+    bare = replace(loop, footprint=None)
+    before, after = with_material(bare, stated), with_material(bare, sample)
+    parts = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if getattr(before, name) == getattr(loop, name)
+    }
+    return replace(loop, material=sample, **parts)

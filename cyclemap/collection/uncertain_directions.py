@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, shorter_way
-from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import sampled_loop
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 

@@ -19,8 +19,7 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
-from cyclemap.errors import InvalidInput
-from cyclemap.suggestions import unknown_name
+from cyclemap.errors import InvalidInput, unknown_name
 
 SOURCE = "Ma & Rodriguez 2018, Tables II and III and the text on stable directions"
 PUBLISHED_CYCLES = 2000

@@ -34,8 +34,7 @@ from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material, SidePush
 from cyclemap.mechanics.friction import worn_friction
 from cyclemap.plain_text import plain_number
-from cyclemap.text_files import read_toml
-from cyclemap.whole_files import UNFINISHED_SUFFIX, file_stem, only_writer, write_whole
+from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
 
 Arguments = dict[str, str | int | float | bool]
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
-from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
-from cyclemap.suggestions import unknown_name
 
 # Names of a material file, with what `FoundWith` calls them and the SI units of one of theirs.
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")

@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 
 from cyclemap.checks import finite_number
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.material import (
     FOUND_KEYS,
@@ -23,7 +23,6 @@ from cyclemap.mechanics.material import (
     PlatePressure,
     Wear,
 )
-from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import read_toml
 
 FILE_KEYS = (

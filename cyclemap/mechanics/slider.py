@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.checks import finite_number, non_negative_number, point, positive_number
-from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
-from cyclemap.suggestions import unknown_name
 
 # Standard gravity, m/s^2.
 GRAVITY = 9.80665

@@ -39,12 +39,15 @@ if TYPE_CHECKING:
     from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
     from cyclemap.resets.design.reset_design import ResetDesign, ResetRow, design_reset
     from cyclemap.resets.design.reset_ranking import Limit, ResetDemands
-    from cyclemap.resets.design.strategy import CycleAction, ResetStrategy, gripper_turns, legs
-    from cyclemap.resets.design.strategy_run import (
+    from cyclemap.resets.design.strategy import (
+        CycleAction,
+        ResetStrategy,
         StrategyRun,
+        gripper_turns,
         histogram_distances,
         histogram_shares,
         independent_distance,
+        legs,
         run_strategy,
         sampled_orientations,
         steered_orientations,

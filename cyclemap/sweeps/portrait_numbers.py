@@ -16,7 +16,7 @@ from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.setting_table import without_noise
-from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.maps import (
     CircleMap,
     Estimate,
@@ -33,7 +33,6 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.mechanics import Material
-from cyclemap.suggestions import unknown_name
 
 PACKAGE = Path(__file__).parents[1]
 # The rooms below the sweeps, and the one file here that calls them.

@@ -15,13 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.errors import InvalidInput
-from cyclemap.suggestions import unknown_name
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.sweeps.point_sets import SweepAxis
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_store import SweepStore
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import write_whole
 
 if TYPE_CHECKING:
     import xarray

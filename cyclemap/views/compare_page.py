@@ -11,7 +11,14 @@ from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
-from cyclemap.views import map_panels, style
+from cyclemap.views import style
+from cyclemap.views.portrait_page import (
+    PER_DEGREE,
+    draw_measured_histogram,
+    draw_measured_turns,
+    draw_staircase,
+    draw_turn,
+)
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import PREDICTED, QUIET
 
@@ -36,8 +43,8 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         if found.cycle is not None:
             turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
             assert found.cycle is not None and found.data.pairs is not None
-            map_panels.draw_turn(turn, curve, ())
-            map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+            draw_turn(turn, curve, ())
+            draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
             turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
             style.legend_above(turn)
             _draw_histograms(histogram, found.orientations)
@@ -45,7 +52,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             if found.data.path is None or found.staircase is None:
                 style.say(staircase, "order of the pushes unknown")
             else:
-                map_panels.draw_staircase(staircase, found.staircase.run, found.data.path)
+                draw_staircase(staircase, found.staircase.run, found.data.path)
                 staircase.set_xlabel("cycle of the compared path")
                 style.legend_above(staircase)
         if found.pushes:
@@ -101,8 +108,8 @@ def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
     if found is None:
         style.say(axes, "order of the pushes unknown")
         return
-    map_panels.draw_measured_histogram(axes, found.measured)
-    heights, edges = map_panels.PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
+    draw_measured_histogram(axes, found.measured)
+    heights, edges = PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
     axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
     axes.set_ylim(bottom=0.0)
     style.legend_above(axes)

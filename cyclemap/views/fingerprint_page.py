@@ -9,8 +9,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_check import PredictionCheck
-from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
+from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
 from cyclemap.views import style

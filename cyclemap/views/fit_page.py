@@ -1,5 +1,6 @@
-"""What was fitted to one set of pushes on a landscape page: laws, histograms, the worn cycle map, staircase, turns."""
+"""What was fitted to one set of pushes: in sentences, and on a page of laws, histograms, map, staircase and turns."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -14,12 +15,19 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import LawBand
-from cyclemap.evidence.pushes.theta0_statistics import is_covered
-from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, TurnPace, WornForecast
+from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs, is_covered
+from cyclemap.evidence.tables.measured_cycle_map import (
+    FEWEST_FOR_WEAR,
+    MapState,
+    MeasuredCycleMap,
+    TurnPace,
+    TurnPlace,
+    WornForecast,
+)
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views import style
-from cyclemap.views.fit_sentences import SIGNS, set_sentences
-from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
+from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram, draw_staircase
+from cyclemap.views.sentences import angle, number
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
@@ -193,3 +201,160 @@ def _keep_to(axes: Axes, values: Array, bands: list[Array]) -> None:
     reach, ends = high - low or 1.0, np.concatenate(bands)
     low, high = max(low - reach, min(low, float(np.nanmin(ends)))), min(high + reach, max(high, np.nanmax(ends)))
     axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
+
+
+SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
+# Residuals more alike than this make bands and spreads visibly too narrow.
+ALIKE = 0.15
+# A law that predicts less of the variance than this tells next to nothing.
+LITTLE = 0.05
+
+
+def set_sentences(fit: SetFit) -> list[str]:
+    """All that is to be said of a set, in order."""
+    said = [count_sentence(fit)]
+    said += [law_sentence(law) for law in fit.laws.laws if law.law is not None]
+    if (found := fit.histogram) is not None:
+        chance = f"chance alone makes up to {_share(found.chance_total_variation)}"
+        said.append(
+            f"The histogram of Δθ that the law predicts with its scatter has {_share(found.total_variation)} of the "
+            f"pushes in other bins than measured ({chance}), {angle(found.distance, 2)} away on average; without "
+            f"scatter {_share(found.law_alone_total_variation)}, {angle(found.law_alone_distance, 2)}."
+        )
+    if fit.cycle_map is None:
+        return [*said, f"No cycle map: {fit.map_problem}."]
+    return said + map_sentences(fit.cycle_map)
+
+
+def count_sentence(fit: SetFit) -> str:
+    """How many pushes, of how many contacts, and what is known of them."""
+    pushes, contacts = fit.pushes, fit.pushes.contacts
+    pooled = f" at {contacts} contacts, pooled: none was repeated often" if contacts > 1 else ""
+    known = "" if pushes.has_motion else " of which θ0 alone is known"
+    left = {} if pushes.pairs is None or not pushes.pairs.dropped_count else pushes.pairs.dropped
+    reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
+    dropped = f" ({reasons})" if reasons else ""
+    told, arcs = f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.", covered_arcs(pushes.theta)
+    if arcs == ((0.0, 2 * np.pi),):
+        return told
+    size = angle(sum(high - low for low, high in arcs), 0)
+    where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
+    return f"{told} θ0 covers {size} of the circle ({_listed(where)}); nothing is said of the rest."
+
+
+def law_sentence(law: MotionLaw) -> str:
+    """Mean and spread of a quantity, and what its law leaves of the spread."""
+    fitted = law.law
+    assert fitted is not None
+    spread = f"{SIGNS[law.quantity]} {amount(law, fitted.mean)} ± {amount(law, fitted.total_std)}"
+    if not law.explained > LITTLE:
+        return f"{spread}; θ0 tells next to nothing of it."
+    left = f"{amount(law, fitted.rmse)} ({fitted.percent:.1f} %)"
+    unseen = f"{amount(law, law.cross_validated_rmse)} in pushes left out"
+    order = f"{fitted.harmonics} harmonic{'s' if fitted.harmonics != 1 else ''}"
+    return f"{spread}; a law of θ0 with {order} leaves {left}, {unseen}."
+
+
+def amount(law: MotionLaw, value: float) -> str:
+    """A value of the law's quantity in degrees or millimetres."""
+    if law.quantity == "dtheta":
+        return angle(value, 2)
+    return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
+
+
+def map_sentences(found: MeasuredCycleMap) -> list[str]:
+    """The cycle map: its law, where it holds or is slow, and what it foretells."""
+    said, forecast = [order_sentence(found), place_sentence(found)], found.forecast
+    if forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
+        return [*said, "The order of the pushes is unknown: no wear, no staircase."]
+    if forecast is None:
+        return [*said, "Its paths leave the orientations that were measured: no staircase is foretold."]
+    spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
+    jumps = forecast.left_out_turns
+    left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
+    since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
+    said.append(f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted.")
+    pace, steps = forecast.pace, []
+    for name, end in (("first", 0), ("last", -1))[: min(pace.measured.size, 2)]:
+        middle, *ends = (
+            number(value[end]) if math.isfinite(value[end]) else "longer than followed"
+            for value in (pace.predicted, pace.lower, pace.upper)
+        )
+        told = f"the {name} full turn took {pace.measured[end]:.0f} pushes, predicted {middle} ({' to '.join(ends)})"
+        steps.append(told)
+    share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
+    said.append(f"Of the steps, {'; '.join(steps)}; {share}." if steps else "No full turn was measured.")
+    measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
+    chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
+    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
+    most = f"θ0 was recorded most often at {measured}, predicted {predicted}"
+    return [*said, f"{most}; the histograms are {apart}."]
+
+
+def order_sentence(found: MeasuredCycleMap) -> str:
+    """The order, wear and scatter of the cycle map."""
+    law = found.fitted.law if found.fitted.wear is None else found.fitted.wear.whole
+    worn, few = found.fitted.wear, f"{FEWEST_FOR_WEAR} cycles or more would tell"
+    wear = "" if worn is None else f", wearing with degree {worn.degree}" if found.wears else ", no wear seen"
+    if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
+        wear = f", wear unknown ({few})"
+    quiet, loud = (f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest))
+    scatter = f"scatter {angle(law.sigma, 2)}" + ("" if law.log_variance.size == 1 else f", from {quiet} to {loud}")
+    alike = f"; neighbouring residuals correlate ({law.lag_correlation:.2f}), so bands and ranges are too narrow"
+    tail = alike if law.lag_correlation > ALIKE else ""
+    order = f"{law.harmonics} harmonics{' (the most tried)' if _at_limit(found) else ''}"
+    return f"Cycle map of {found.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
+
+
+def place_sentence(found: MeasuredCycleMap) -> str:
+    """Where the map holds or is slow, early and late."""
+    if not found.wears:
+        told = _places(found.late)
+        return f"{told[0].upper()}{told[1:]}."
+    early, late = (f"push {state.cycle:.0f}" for state in (found.early, found.late))
+    return f"At {early} {_places(found.early)}. At {late} {_places(found.late)}."
+
+
+def _peak(histogram: AngleHistogram) -> str:
+    bin_ = int(np.argmax(histogram.density))
+    low, high = np.degrees(histogram.edges[bin_ : bin_ + 2])
+    return f"{low:.0f}–{high:.0f}°"
+
+
+def _places(state: MapState) -> str:
+    kinds = [f"{orbit.kind} {angle(orbit.points[0])}" for orbit in state.fixed_points]
+    has = [f"fixed points: {_listed(kinds)}"] if kinds else []
+    slow = [
+        f"{angle(p.theta)} ({number(p.cycles or math.nan)} pushes; least turn {_interval(p)})" for p in state.passages
+    ]
+    has += [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {_listed(slow)}"] if slow else []
+    open_ = [f"{angle(one.theta)}, where a cycle turns by {_interval(one)}" for one in state.undecided]
+    told = [f"it has {_listed(has)}"] if has else []
+    told += [f"it cannot be told whether θ0 rests or passes at {_listed(open_)}"] if open_ else []
+    slowest = f"{angle(state.slowest.theta)}, a cycle turns by {_interval(state.slowest)}"
+    return "; ".join(told) or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
+
+
+def _interval(place: TurnPlace) -> str:
+    """A turn with its interval, in the decimals that the interval allows."""
+    width = math.degrees(place.upper - place.lower)
+    decimals = 2 if width < 1.0 else 1 if width < 10.0 else 0
+    low, high = angle(place.lower, decimals), angle(place.upper, decimals)
+    return f"{angle(place.turn, decimals)} ({low} to {high})"
+
+
+def _listed(parts: list[str]) -> str:
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
+def _at_limit(found: MeasuredCycleMap) -> bool:
+    """Whether cross-validation took the largest order it was offered."""
+    worn, scores = found.fitted.wear, found.fitted.law.scores
+    if worn is None:
+        return scores is not None and scores.chosen == int(scores.orders[-1]) > 0
+    tried = 1 if worn.rmse_by_order is None else int(worn.rmse_by_order.shape[1])
+    return 1 < tried == worn.harmonics + 1
+
+
+def _share(value: float) -> str:
+    return "an unknown share" if math.isnan(value) else f"{100.0 * value:.0f} %"

@@ -13,9 +13,9 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import CheckedCollection, first_contact
+from cyclemap.collection.portrait_curves import CycleScene, cycle_scene
 from cyclemap.errors import CycleMapError
 from cyclemap.views import style
 from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET

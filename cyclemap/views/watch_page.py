@@ -12,7 +12,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.views import style
-from cyclemap.views.reset_sentences import action_words
+from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
 

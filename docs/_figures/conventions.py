@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Ellipse, Polygon
 
 import cyclemap as cm
-from cyclemap.collection.cycle_scene import StrokeScene, cycle_scene, placed
+from cyclemap.collection.portrait_curves import StrokeScene, cycle_scene, placed
 from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, new_figure
 
 THETA0 = math.radians(30)

@@ -28,7 +28,7 @@ from cyclemap.resets import (
     run_strategy,
     sample_turns,
 )
-from cyclemap.views.reset_sentences import recipe
+from cyclemap.views.reset_page import recipe
 
 OBJECTS = {
     "plywood, box of 120 x 60 mm": {"vertices_mm": [[60, 30], [-60, 30], [-60, -30], [60, -30]]},

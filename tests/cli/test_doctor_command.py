@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from cyclemap.cli import command_doctor
 from cyclemap.cli.main import run
-from cyclemap.collection import self_check
 from cyclemap.errors import EngineNotBuilt
 from cyclemap.mechanics.engine import library
 
@@ -32,8 +32,8 @@ def no_engine():
 @pytest.mark.parametrize(
     ("place", "name", "broken", "problem"),
     [
-        (self_check, "reference_error", lambda: 1.0, "turns in MIT's loop are"),
-        (self_check, "reference_error", lambda: float("nan"), "turns in MIT's loop are"),
+        (command_doctor, "reference_error", lambda: 1.0, "turns in MIT's loop are"),
+        (command_doctor, "reference_error", lambda: float("nan"), "turns in MIT's loop are"),
         (library, "load", no_engine, "the compiled engine is missing: build it"),
     ],
 )

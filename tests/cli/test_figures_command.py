@@ -12,8 +12,7 @@ from PIL import Image
 from cyclemap.cli import run_figures as command
 from cyclemap.cli.main import run
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures.catalogue import CATALOGUE, Frame, PaperAnimation, PaperFigure, PaperTable, entries
-from cyclemap.figures.measured_folder import NO_DATA
+from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Frame, PaperAnimation, PaperFigure, PaperTable, entries
 from cyclemap.views.style import new_figure
 
 KEYS = ["name", "title", "source", "caption", "file", "measured"]

@@ -14,7 +14,7 @@ from cyclemap.cli import output
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.main import cli, run
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, write_json
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import write_whole
 
 
 def test_a_written_file_is_whole_readable_and_alone_and_stays_where_the_next_write_fails(tmp_path, monkeypatch) -> None:

@@ -51,7 +51,7 @@ def test_the_same_file_on_another_surface_keeps_its_object_and_push(tmp_path) ->
 def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
     """Rod and ring, identified with the surface, are the loop's when the file is read back."""
     found = FoundWith(pusher_friction=0.2, pin_friction_radius=2e-3)
-    from cyclemap.collection.found_with import with_material
+    from cyclemap.collection.settings import with_material
 
     loop = with_material(own_loop(), replace(WALNUT, found_with=found))
     again = CollectionLoop.from_file(written(tmp_path, collection_text(loop)))

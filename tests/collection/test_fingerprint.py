@@ -17,12 +17,12 @@ from cyclemap.collection import (
     predict,
 )
 from cyclemap.collection.fingerprint import MOST_ELLIPTICITY, with_anisotropy
-from cyclemap.collection.fingerprint_check import full_lock_in
 from cyclemap.collection.fingerprint_prediction import (
     DRIFTS,
     LOCKS,
     UNDECIDED,
     first_order_lock_in,
+    full_lock_in,
     lock_in_boundary,
 )
 from cyclemap.errors import ConvergenceError, InvalidInput

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import portrait, staircase_forecast
-from cyclemap.collection.cycle_scene import cycle_scene, placed
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
-from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
+from cyclemap.collection.portrait_curves import cobweb, cycle_scene, placed, portrait_curves, turn_curve
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
 

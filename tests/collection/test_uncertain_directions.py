@@ -9,7 +9,7 @@ import pytest
 
 from cyclemap.cli.json_report import uncertainty_report
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.found_with import sampled_loop
+from cyclemap.collection.settings import sampled_loop
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import EllipseFriction, FoundWith, Material, MaterialPosterior, PlatePressure, load_material
 from cyclemap.mechanics.cycle_batch import run_batch

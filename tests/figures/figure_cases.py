@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, simulate_collection
-from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.pushed_paths import PushedPaths, paths_on_four_surfaces
 from cyclemap.figures.simulated_collections import Sampling
 from cyclemap.mechanics import SidePush

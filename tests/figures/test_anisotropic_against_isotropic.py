@@ -7,7 +7,7 @@ import pytest
 
 from cyclemap.collection import BatchExperiment
 from cyclemap.figures.anisotropic_against_isotropic import FIGURE
-from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 
 
 @cache

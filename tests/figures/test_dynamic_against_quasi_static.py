@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.dynamic_against_quasi_static import FIGURE, InertiaStudy
-from cyclemap.figures.measured_folder import MeasuredFolder
 
 
 @cache

@@ -7,8 +7,8 @@ import pytest
 from figure_cases import assert_drawn, words_of
 
 from cyclemap.figures import fingerprint as figure
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.fingerprint import FIGURE
-from cyclemap.figures.measured_folder import MeasuredFolder
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, s
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name
 from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import Recording, record_push
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.force_ratio import FIGURE, FOLDER, compute, draw, predicted_ratio, recorded_ratio
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.mechanics import Slider
 
 

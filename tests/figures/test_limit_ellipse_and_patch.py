@@ -12,6 +12,7 @@ from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.pushes.mit_names import scan_name
 from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import Recording, record_scan, scan_set
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.limit_ellipse_and_patch import (
     FIGURE,
     GRID,
@@ -22,7 +23,6 @@ from cyclemap.figures.limit_ellipse_and_patch import (
     measured_scans,
     patch_forces,
 )
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
 # Every so many of the 144 scans of a set.

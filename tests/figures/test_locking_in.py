@@ -10,9 +10,8 @@ from PIL import Image
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures import locking_in
-from cyclemap.figures.catalogue import Frame
+from cyclemap.figures.catalogue import Frame, MeasuredFolder
 from cyclemap.figures.locking_in import ANIMATION, animated_gif, compute
-from cyclemap.figures.measured_folder import MeasuredFolder
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import staircases, theta0_histograms, turn_histograms, turn_over_theta0
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.simulated_collections import Sampling
 from cyclemap.figures.theta0_histograms import PEAK_WORDS, UNIFORM, share_near
 from cyclemap.views.fit_page import CIRCLE

@@ -9,7 +9,7 @@ from figure_cases import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorde
 from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import simulate_collection
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.measured_sets import measured_run, measured_scans, measured_theta0, not_found
 from cyclemap.mechanics import SidePush
 

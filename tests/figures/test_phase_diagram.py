@@ -8,8 +8,8 @@ import pytest
 from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.loop_family import ring_fold, with_anisotropy_times, with_ring_at
-from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.phase_diagram import FIGURE, RADII, compute
 from cyclemap.maps import fixed_points
 

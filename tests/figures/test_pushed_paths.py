@@ -8,7 +8,7 @@ import pytest
 from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small_paths
 
 from cyclemap.collection import CollectionLoop, worn_loop
-from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.pushed_paths import (
     crossing_pairs,
     paths_from_measured_theta0,

@@ -7,8 +7,8 @@ import pytest
 from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.loop_family import with_ring_at
-from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.saddle_node import FIGURE, compute
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from figure_cases import assert_drawn
 
-from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.setup_and_cycle import FIGURE, draw
 
 

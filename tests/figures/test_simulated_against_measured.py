@@ -5,7 +5,7 @@ import pytest
 from figure_cases import RECORDED, assert_drawn, recorded_plywood, words_of
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.simulated_against_measured import FIGURE, compute, draw, simulated_turns
 
 NODES = 24

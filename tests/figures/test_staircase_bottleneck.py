@@ -7,7 +7,7 @@ import pytest
 from figure_cases import assert_drawn
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.figures.measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from cyclemap.figures.staircase_bottleneck import FIGURE, bottleneck, compute, measured_bottleneck
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from figure_cases import NOWHERE, SCANS, recorded_folder
 
-from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.table_friction import HEADER, TABLE, caption, compute, rows
 from cyclemap.mechanics import material_names
 

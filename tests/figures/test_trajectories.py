@@ -9,7 +9,7 @@ from figure_cases import CYCLES, DRAWN, NOWHERE, assert_drawn, recorded_plywood,
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import trajectories_object_frame, trajectories_robot_frame
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.trajectories_robot_frame import CROWDED, crowded_arcs
 from cyclemap.maps import WrappedNormal, sample_staircase
 

@@ -8,7 +8,7 @@ from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.wear_drift import AGES, FIGURE, MATERIAL, compute
 from cyclemap.maps import WrappedNormal, fixed_points, transfer_operator
 

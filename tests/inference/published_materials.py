@@ -31,7 +31,7 @@ from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES, SOURCE, Pub
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 from cyclemap.mechanics.material_text import material_toml
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import write_whole
 
 MATERIALS = ("abs", "delrin", "pu")
 STARTS = 4

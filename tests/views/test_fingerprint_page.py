@@ -7,7 +7,7 @@ import pytest
 from drawn_panels import faces, labelled, legend_words, panel, png
 
 from cyclemap.collection import Anisotropy, Fingerprint, Prediction, PredictionCheck, TurnResponse
-from cyclemap.collection.fingerprint_check import CheckedDirection
+from cyclemap.collection.fingerprint_prediction import CheckedDirection
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.views import fingerprint_page as sentences
 from cyclemap.views.fingerprint_page import draw_prediction, draw_responses, fingerprint_page

@@ -7,7 +7,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import PushSet, SetFit, Theta0Pairs, fit_set
-from cyclemap.views import fit_sentences as sentences
+from cyclemap.views import fit_page as sentences
 from cyclemap.views.fit_page import fit_page
 from cyclemap.views.style import render
 

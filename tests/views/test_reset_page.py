@@ -9,8 +9,7 @@ import cyclemap as cm
 from cyclemap.mechanics import SidePush
 from cyclemap.resets import CycleAction, MaterialRange, ResetDemands, ResetStrategy, design_reset, gripper_turns, legs
 from cyclemap.resets.protocol.schedule_file import rod_start
-from cyclemap.views.reset_page import draw_pushes, reset_page
-from cyclemap.views.reset_sentences import design_sentences, recipe
+from cyclemap.views.reset_page import design_sentences, draw_pushes, recipe, reset_page
 from cyclemap.views.style import new_figure, render
 
 pytestmark = pytest.mark.slow

@@ -11,8 +11,7 @@ from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
 from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircase
 from cyclemap.views import staircase_page as sentences
-from cyclemap.views.staircase_page import staircase_page
-from cyclemap.views.step_panels import draw_step_lengths, draw_steps
+from cyclemap.views.staircase_page import draw_step_lengths, draw_steps, staircase_page
 from cyclemap.views.style import MEASURED, UNSTABLE, render
 
 GHOST, WELL, TURNING = (0.0955, 0.6), (0.1, 0.9), (0.3, 0.0)

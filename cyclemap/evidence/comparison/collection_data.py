@@ -23,8 +23,7 @@ from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.text_files import read_csv_table
-from cyclemap.whole_files import file_stem
+from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas

@@ -11,8 +11,8 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop, drifting_map
-from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.collection.settings import sampled_loop
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.laws.fit_map import FittedMap
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law

@@ -27,7 +27,7 @@ from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, P
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
 from cyclemap.mechanics import MIT_SHAPE_NAMES
-from cyclemap.whole_files import file_stem
+from cyclemap.text_files import file_stem
 
 MOST_STROKES = 2000
 # What belongs to a plate, or to the frame that its data are in.

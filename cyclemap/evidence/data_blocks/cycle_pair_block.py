@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.found_with import with_material
+from cyclemap.collection.settings import with_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, set_fields
 from cyclemap.evidence.identification.surface_parameters import (

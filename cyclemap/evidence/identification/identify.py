@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cyclemap.checks import whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence.identification.cross_validation import (
     KindErrors,
     cross_validate,
@@ -29,7 +29,6 @@ from cyclemap.evidence.identification.least_squares import (
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE, ParameterSpace, SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
-from cyclemap.suggestions import unknown_name
 
 # Fewer degrees of freedom than this make an interval rough.
 _FEW = 4.0

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
+from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
 from cyclemap.evidence.identification.data_block import JointProblem, Progress, part_of
-from cyclemap.suggestions import unknown_name
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9

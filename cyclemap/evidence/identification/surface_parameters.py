@@ -16,10 +16,9 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Ellipse, EllipseFriction, Material, PatchFootprint, PointFootprint, Pusher
 from cyclemap.mechanics.outline import Outline
-from cyclemap.suggestions import unknown_name
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 SHARE_NAMES = ("rim_share", "corner_share", "inner_share")

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from cyclemap.arrays import shorter_way
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes, named_column
 from cyclemap.mechanics import Pose
-from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
 # Facts of the push table by which rows are selected.

@@ -16,8 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import scan_facts
-from cyclemap.text_files import LARGEST_CONTENT, read_json
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
 
 HDF5_SUFFIXES = (".h5", ".hdf5")
 SUFFIXES = (*HDF5_SUFFIXES, ".json")

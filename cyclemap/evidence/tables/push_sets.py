@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
     import pandas

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.engine import contact_equations, equations
+from cyclemap.mechanics.engine import equations
 
 # Verner's efficient method of order 7 with its estimator of order 6 (Numerically optimal Runge-Kutta pairs with
 # interpolants, Numerical Algorithms 53, 2010: pair IIa). For errors of 1e-10 it evaluates two fifths less often than
@@ -63,7 +63,7 @@ RULES, DIGITS = (8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512), 34.0
 
 def write_sources(folder: Path) -> None:
     """Write kernels.c into a folder."""
-    functions = equations.kernels() | contact_equations.contacts()
+    functions = equations.kernels() | equations.contacts()
     generator = ca.CodeGenerator("kernels", {"with_header": False, "casadi_int": "int64_t"})
     for function in functions.values():
         generator.add(function)
@@ -106,7 +106,7 @@ def _tables() -> str:
     nodes, weights = np.polynomial.legendre.leggauss(PANEL_ORDER)
     order = [i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [STAGES]
     nearest = [int(np.argmin(np.abs(PLACES[: max(i, 1)] - PLACES[i]))) for i in range(STAGES + 1)]
-    varied, parameters = contact_equations.VARIED, contact_equations.PARAMETERS
+    varied, parameters = equations.VARIED, equations.PARAMETERS
     counts = {
         "STAGES": STAGES,
         "ORDER": ORDER,
@@ -114,17 +114,17 @@ def _tables() -> str:
         "PARAMETERS": len(parameters),
         **{name: parameters.index(name.lower()) for name in ("DIRECTION", "SMU", "PHI")},
         "COSINES": parameters.index("cos_direction"),
-        "FRAME": len(contact_equations.FRAME),
+        "FRAME": len(equations.FRAME),
         "VARIED": len(varied),
         "MOST_VARIED": 17,
         **{f"SOURCE_{name}": varied.index(name.lower()) for name in ("DIRECTION", "RADIUS", "SMU", "MU_A")},
         "SOURCE_GEOMETRY": varied.index("geometry_0"),
-        **{f"KIND_{kind.upper()}": i for i, kind in enumerate(contact_equations.KINDS)},
-        **{f"LAW_{law.upper()}": i for i, law in enumerate(contact_equations.LAWS)},
-        "KINDS": len(contact_equations.KINDS),
+        **{f"KIND_{kind.upper()}": i for i, kind in enumerate(equations.KINDS)},
+        **{f"LAW_{law.upper()}": i for i, law in enumerate(equations.LAWS)},
+        "KINDS": len(equations.KINDS),
         "RULE_COUNT": len(RULES),
         "PANEL_ORDER": PANEL_ORDER,
-        "LAWS": len(contact_equations.LAWS),
+        "LAWS": len(equations.LAWS),
     }
     lines = [f"enum {{ {', '.join(f'{name} = {value}' for name, value in counts.items())} }};"]
     integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest, "VARIED_AT": [parameters.index(n) for n in varied]}
@@ -153,11 +153,10 @@ def _tables() -> str:
     lines.append("typedef int Function(const casadi_real **, casadi_real **, casadi_int *, casadi_real *, int);")
     for name in ("BEGIN", "SLOPES", "ALL_SLOPES"):
         entries = _braced(
-            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}"
-            for kind, law in contact_equations.pairs()
+            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}" for kind, law in equations.pairs()
         )
         lines.append(f"static Function *const {name}[KINDS][LAWS] = {entries};")
-    lines.append(f"static Function *const FINISH[] = {_braced(f'finish_{law}' for law in contact_equations.LAWS)};")
+    lines.append(f"static Function *const FINISH[] = {_braced(f'finish_{law}' for law in equations.LAWS)};")
     return "\n".join(lines) + "\n"
 
 

@@ -10,8 +10,8 @@ from itertools import product
 import numpy as np
 
 from cyclemap.checks import non_negative_number
-from cyclemap.collection.found_with import plate_footprint
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import plate_footprint
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 

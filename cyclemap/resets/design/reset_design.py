@@ -41,8 +41,12 @@ from cyclemap.resets.design.reset_ranking import (
     picked,
 )
 from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, gripper_turned, push_set, random_legs, searched
-from cyclemap.resets.design.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
-from cyclemap.resets.design.strategy_run import (
+from cyclemap.resets.design.strategy import (
+    IN_TURN,
+    RANDOM,
+    RING,
+    SHUFFLED,
+    ResetStrategy,
     histogram_distances,
     histogram_shares,
     independent_distance,

@@ -16,8 +16,7 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.resets.monitor.bias_monitor import LARGEST_ORIENTATION
-from cyclemap.text_files import CsvRow, CsvTable
-from cyclemap.whole_files import UNFINISHED_SUFFIX
+from cyclemap.text_files import UNFINISHED_SUFFIX, CsvRow, CsvTable
 
 COLUMNS = ("theta0_deg", "theta0_accum_deg")
 _LOST_FRACTION = "at such a size the fraction of a turn is lost; mend it, or give angles within a turn"

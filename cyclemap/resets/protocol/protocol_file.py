@@ -10,13 +10,11 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.setting_table import Settings
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
-from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import read_toml
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import read_toml, write_whole
 
 Prediction = Mapping[str, object]
 

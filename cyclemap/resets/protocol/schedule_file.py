@@ -13,14 +13,12 @@ from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, check_checksum, decimal_text, located, with_checksum
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
-from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns, write_whole
 
 PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
 TURN_COLUMN = "gripper_turn_deg"

@@ -15,13 +15,12 @@ from cyclemap.checks import finite_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, noises_of, portrait
 from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, Settings, without_noise
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, toml_text
 from cyclemap.maps import CircleMap, Orbit, WrappedNormal, fixed_points, sample_staircase
 from cyclemap.mechanics import Ellipse, PatchFootprint
 from cyclemap.plain_text import typeset
-from cyclemap.suggestions import unknown_name
 from cyclemap.views import sentences
 
 CONTROLS = tuple(one for one in SETTINGS.values() if one.label)
