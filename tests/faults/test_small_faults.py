@@ -3,7 +3,6 @@
 import pytest
 
 from tests.faults.__main__ import damaged_files, faults
-from tests.faults.kills import kill_and_go_on
 
 
 @pytest.mark.slow
@@ -11,10 +10,3 @@ def test_damaged_files_are_read_or_refused(tmp_path) -> None:
     found = damaged_files(tmp_path, 220, 1)
     assert found["files"] == 220 and faults(found) == {}
     assert found["refused"] > 100 and found["read"] > 30
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("command", ["simulate", "sweep"])
-def test_a_killed_command_goes_on_to_the_same_end(tmp_path, command, capsys) -> None:
-    found = kill_and_go_on(command, tmp_path, 2, 1, print)
-    assert faults(found) == {} and found["killed"] >= 1, capsys.readouterr().out
