@@ -17,7 +17,6 @@ from cyclemap.maps import (
 )
 from cyclemap.views.orbit_panels import (
     MARKERS,
-    cut_at_turns,
     draw_basins,
     draw_density,
     draw_lyapunov_exponents,
@@ -84,13 +83,6 @@ def test_orbits_lie_on_the_graph_stable_ones_filled_others_open_saddle_nodes_hal
     png(axes)
 
 
-def test_whole_turns_are_cut_in_both_directions_and_at_samples_on_them() -> None:
-    angle = 2 * np.pi * np.array([-0.25, 0.25, 1.0, 1.25, 0.75])
-    curves = cut_at_turns(np.arange(5.0), angle)
-    assert [x.tolist() for x, _ in curves] == [[0.0, 0.5], [0.5, 1.0, 2.0], [2.0, 3.0, 3.5], [3.5, 4.0]]
-    assert [[round(end) for end in (y[0], y[-1])] for _, y in curves] == [[270, 360], [0, 360], [0, 0], [360, 270]]
-
-
 @pytest.mark.parametrize("circle_map", [CircleMap.arnold(0.1, 0.9), CircleMap.blaschke([0.3, 0.2j], 0.1)])
 def test_density_is_a_probability_per_degree_with_its_bound(circle_map) -> None:
     operator, axes = transfer_operator(circle_map, WrappedNormal(0.3)), panel()
@@ -145,10 +137,6 @@ def sine(K):
     return CircleMap.arnold(0.1, K)
 
 
-def kinked(shift):
-    return CircleMap(lambda x: x + shift + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi), breaks=[0.0, np.pi])
-
-
 def test_branches_are_solid_where_stable_and_change_at_bifurcations_that_stand_where_theory_has_them() -> None:
     """Fixed points of the sine map from before their birth to beyond their period doubling."""
     axes, counted = panel(), {"-": 0, "--": 0}
@@ -167,25 +155,6 @@ def test_branches_are_solid_where_stable_and_change_at_bifurcations_that_stand_w
     assert len({look["marker"] for look in MARKERS.values()}) == len(MARKERS) == 4
     assert legend_words(axes) == ["stable", "unstable", "saddle-node", "period-doubling"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("K", "θ of the orbit (°)")
-    png(axes)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("family", "within", "orbit", "marker", "points", "leap"),
-    [
-        (kinked, (-2.0, 0.5), (), "^", [1, 1], 45.0),
-        (lambda omega: CircleMap.arnold(omega, 0.9), (0.4, 0.6), (2, 1), "o", [2, 2], 15.0),
-    ],
-)
-def test_every_point_of_a_bifurcation_is_marked_and_whole_turns_leave_no_upright_line(
-    family, within, orbit, marker, points, leap
-) -> None:
-    axes = panel()
-    draw_orbit_branches(axes, orbit_branches(family, within, *orbit), bifurcations(family, within, *orbit))
-    assert [len(line.get_xdata()) for line in axes.lines if line.get_marker() == marker] == points
-    for line in axes.lines:
-        assert line.get_marker() == marker or np.abs(np.diff(line.get_ydata())).max(initial=0.0) < leap
     png(axes)
 
 

@@ -37,17 +37,6 @@ def measured() -> MeasuredStaircase:
     return measured_staircase(Theta0Pairs(path[:-1], path[1:], path))
 
 
-@pytest.mark.slow
-def test_a_page_shows_the_whole_run_and_every_dwell(forecast) -> None:
-    found = forecast(*GHOST)
-    paths, steps, lengths = staircase_page(found).axes
-    assert np.allclose(paths.lines[0].get_ydata(), np.degrees(found.run.theta))
-    bars = [line for line in steps.lines if line.get_linewidth() in (5.0, 2.2)]
-    assert len(bars) == found.steps.levels.size > 10
-    drawn = sum(len(line.get_xdata()) for line in lengths.lines if line.get_linestyle() == "None")
-    assert drawn == found.steps.levels.size
-
-
 def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forecast, measured) -> None:
     paths = staircase_page(forecast(*GHOST), measured).axes[0]
     names = ["map fitted to all data alike, without wear", "measured", "predicted"]
@@ -56,16 +45,6 @@ def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forec
     assert np.allclose(paths.lines[0].get_ydata(), np.degrees(measured.run.theta))
     low, high = paths.get_ylim()
     assert all(low < line.get_ydata().min() and line.get_ydata().max() < high for line in paths.lines)
-
-
-def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
-    """Ticks stand at whole turns of the drawn degrees and say the number of turns."""
-    axes = staircase_page(forecast(*GHOST)).axes[0]
-    axes.figure.canvas.draw()
-    assert axes.get_ylabel() == "θ0, unwrapped (turns)"
-    ticks = {label.get_text(): float(label.get_position()[1]) for label in axes.get_yticklabels()}
-    assert len(ticks) > 2
-    assert all(place == 360.0 * int(words.replace("−", "-")) for words, place in ticks.items())
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ import pytest
 
 from cyclemap.resets import BiasMonitor, watch
 from cyclemap.views import watch_page as sentences
-from cyclemap.views.style import render
 from cyclemap.views.watch_page import watch_page
 
 
@@ -51,19 +50,6 @@ def test_every_push_all_evidence_and_the_alarm_are_drawn(locked, even) -> None:
     page = watch_page(*even, "x.csv")
     assert even[1][-1].alarm is None and uprights(page.axes[0]) == uprights(page.axes[1]) == []
     assert "no sign of locking in" in page.texts[0].get_text()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("pushes", [1, 2, 3, 40, 200])
-def test_every_push_lies_whole_within_the_edges_and_few_are_drawn_larger(pushes) -> None:
-    page = watch_page(*course_of(np.linspace(0.1, 6.0, pushes)), "x.csv")
-    assert render(page, dpi=40).startswith(b"\x89PNG")
-    path, evidence, _, _ = page.axes
-    for axes in (path, evidence):
-        assert axes.get_xlim() == (-0.5, max(pushes, 2) - 0.5)
-        assert all(tick == round(tick) for tick in axes.get_xticks())
-    size = path.lines[0].get_markersize()
-    assert size == pytest.approx({1: 9.0, 2: 9.0, 3: 9.0, 40: 2.5, 200: 2.5}[pushes])
 
 
 @pytest.mark.parametrize(
