@@ -73,18 +73,6 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, as
     assert_written(here / "pictures", "compare_plywood", text)
 
 
-@pytest.mark.slow
-def test_people_get_sentences_first_and_tables_second(here, capsys) -> None:
-    (here / "poses.csv").write_text(poses())
-    assert run([*COMPARE, "poses.csv", "--format", "svg"]) == 0
-    shown = capsys.readouterr().out
-    lines = shown.splitlines()
-    assert lines[0].startswith("plywood agrees with the data in ")
-    assert lines[1].startswith("Compared: 5 pushes with end poses and 4 cycles")
-    assert shown.index("The mean Δx of rect1 on plywood agrees within its error") < shown.index("std %")
-    assert (here / "out" / "compare_plywood.svg").read_bytes().startswith(b"<?xml")
-
-
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

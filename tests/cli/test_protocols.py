@@ -1,6 +1,5 @@
 """--set, protocol files and strategies: what is understood, what is refused, which of two wins, what follows."""
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -157,18 +156,6 @@ def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, report_of) -
     assert (report["fixed_points"], report["rotation_number"]["locked"]) == ([], None)
     climbed = report["staircase"]["run"]["climb_deg"] / 360.0 / 300.0
     assert climbed == pytest.approx(report["rotation_number"]["value"])
-
-
-@pytest.mark.slow
-def test_the_portraits_picture_and_words_say_how_uniform_it_is(protocol, capsys) -> None:
-    arguments = ["portrait", "plywood", "--protocol", protocol(IN_TURN), "--cycles", "60", "--set", "noise_deg=30"]
-    assert run([*arguments, "--format", "svg"]) == 0
-    shown = capsys.readouterr().out
-    said = " ".join(shown.split())
-    assert "away from uniform" in said and "in turn: push 10 mm on side 0 at 0.7, push 20 mm on side 2 at 0.7" in said
-    assert Path("out/portrait_plywood.svg").read_text().startswith("<?xml")
-    report = json.loads(Path("out/portrait_plywood.json").read_text())
-    assert report["strategy"]["order"] == "in turn"
 
 
 @pytest.mark.slow
