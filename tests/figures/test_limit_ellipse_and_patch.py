@@ -111,3 +111,9 @@ def test_without_scans_the_caption_alone_says_so(result, tmp_path) -> None:
     figure = draw(result)
     assert NO_DATA not in words_of(figure)
     assert_drawn(figure, 3)
+
+
+def test_scans_of_another_surface_are_not_taken_for_plywoods(scanned) -> None:
+    weight = CollectionLoop.mit("plywood").model.weight
+    assert measured_scans(scanned, "abs", weight) is None
+    assert measured_scans(scanned, "plywood", weight) is not None

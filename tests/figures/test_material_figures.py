@@ -195,3 +195,20 @@ def test_a_climb_counts_its_turns_and_its_first_stay() -> None:
     climb = staircases.climb_of(np.repeat(2 * np.pi * np.arange(5.0), 30), np.pi)
     assert climb.steps.count == 4 and climb.turns == 4.0 and climb.first_stay == 30
     assert climb.turn_pushes.tolist() == [30, 30, 30]
+
+
+def test_a_recorded_set_gives_its_turns(tmp_path_factory) -> None:
+    found = made(turn_histograms, recorded_folder(tmp_path_factory))
+    panel = found.panels[1]
+    assert (panel.surface, panel.recorded, panel.histogram.count) == ("abs", True, RECORDED_ABS)
+    assert f"Of {RECORDED_ABS} pushes recorded on abs" in turn_histograms.caption(found)
+
+
+def test_a_recorded_set_gives_its_climb(tmp_path_factory) -> None:
+    found = made(staircases, recorded_folder(tmp_path_factory))
+    assert found[1].recorded.path.size == RECORDED_ABS and found[3].recorded is None
+    assert f"The recorded path of {RECORDED_ABS} pushes" in staircases.caption(found)
+
+
+def test_a_recorded_set_gives_its_theta0(tmp_path_factory) -> None:
+    assert made(theta0_histograms, recorded_folder(tmp_path_factory))[1].theta0.size == RECORDED_ABS

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from figure_cases import NOWHERE, SCANS, recorded_folder
 
+from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.table_friction import HEADER, TABLE, caption, compute, rows
 from cyclemap.mechanics import material_names
 
@@ -54,3 +55,7 @@ def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(tmp_p
         (found.rows[0].mean, found.rows[0].axis_ratio, found.rows[0].offset), rel=1e-5
     )
     assert "fitted to recorded friction scans on plywood" in TABLE.caption(found)
+
+
+def test_the_folder_of_measured_data_holds_no_friction_scans(measured_data) -> None:
+    assert compute(MeasuredFolder(measured_data)).absent == ("plywood", "abs", "delrin", "pu")

@@ -163,3 +163,21 @@ def test_a_material_says_where_it_is_from_and_what_it_misses() -> None:
     assert "wears over 2000 cycles" in told
     assert "where isotropic friction misses" in sentences.material_line(load_material("plywood"))
     assert sentences.material_line(load_material("isotropic")) == ""
+
+
+def line_with(axes, x, y):
+    """The lines of `axes` that run through exactly these points."""
+    wanted = np.column_stack([x, y])
+    return [
+        one for one in axes.lines if one.get_xydata().shape == wanted.shape and np.allclose(one.get_xydata(), wanted)
+    ]
+
+
+def test_cycle_is_drawn_to_scale_in_millimetres(drawn) -> None:
+    result = drawn("locked")
+    for title, stroke in (("Push", result.curves.scene.push), ("Drag", result.curves.scene.drag)):
+        axes = axes_titled(result.page, title)
+        assert axes.get_aspect() == 1.0
+        outlines = [patch.get_path().vertices for patch in axes.patches]
+        assert any(o.shape == stroke.after.shape and np.allclose(o, 1000 * stroke.after) for o in outlines)
+        assert len(line_with(axes, *(1000 * stroke.rod).T)) >= 1

@@ -12,10 +12,11 @@ from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
 from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircase
 from cyclemap.views import staircase_page as sentences
 from cyclemap.views.staircase_page import staircase_page
-from cyclemap.views.step_panels import draw_step_lengths
+from cyclemap.views.step_panels import draw_step_lengths, draw_steps
 from cyclemap.views.style import MEASURED, UNSTABLE, render
 
 GHOST, WELL, TURNING = (0.0955, 0.6), (0.1, 0.9), (0.3, 0.0)
+STAIRS = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
 GHOST_MAP, STEP_NOISE = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
 
 
@@ -44,6 +45,16 @@ def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forec
     assert np.allclose(paths.lines[0].get_ydata(), np.degrees(measured.run.theta))
     low, high = paths.get_ylim()
     assert all(low < line.get_ydata().min() and line.get_ydata().max() < high for line in paths.lines)
+
+
+def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
+    """Ticks stand at whole turns of the drawn degrees and say the number of turns."""
+    axes = staircase_page(forecast(*GHOST)).axes[0]
+    axes.figure.canvas.draw()
+    assert axes.get_ylabel() == "θ0, unwrapped (turns)"
+    ticks = {label.get_text(): float(label.get_position()[1]) for label in axes.get_yticklabels()}
+    assert len(ticks) > 2
+    assert all(place == 360.0 * int(words.replace("−", "-")) for words, place in ticks.items())
 
 
 @pytest.mark.slow
@@ -79,6 +90,25 @@ def test_measured_and_fitted_sentences_carry_the_numbers(measured) -> None:
     told = sentences.fitted_sentence(measured)
     assert f"predicts {measured.comparison.expected_steps:.1f} steps of 360°" in told
     assert f"where {measured.comparison.net_steps:.1f} were climbed" in told
+
+
+def bars(axes):
+    return [line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_zorder() == 4]
+
+
+def test_bars_lie_on_the_dwells_and_are_open_where_censored() -> None:
+    steps = find_steps(STAIRS)
+    axes = panel()
+    draw_steps(axes, STAIRS, steps)
+    assert labelled(axes, "path").get_ydata() == pytest.approx(np.degrees(STAIRS))
+    places = [(*bar.get_xdata(), bar.get_ydata()[0]) for bar in bars(axes)]
+    expected = zip(steps.start, steps.end, np.degrees(steps.levels), strict=True)
+    assert np.array(places) == pytest.approx(np.array(list(expected)))
+    assert [bar.get_color() == UNSTABLE for bar in bars(axes)] == steps.censored.tolist() == [True, False, True]
+    assert written(axes) == ["0.0°", "57.3°", "114.6°"]
+    assert legend_words(axes) == ["path", "dwell not seen whole", "dwell"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("cycle", "θ, unwrapped (°)")
+    png(axes)
 
 
 # -- lengths -----------------------------------------------------------------------------------------------
