@@ -10,7 +10,8 @@ from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 
-KEYS = "prediction data pushes ends_off cycle orientations directions staircase verdicts uncertified".split()
+KEYS = ["prediction", "data", "pushes", "ends_off", "cycle", "orientations", "directions", "staircase"]
+KEYS += ["verdicts", "uncertified"]
 POSES = "rep,surface,shape,i,s,t,push_mm,x0,y0,theta0,x1,y1,theta1\n"
 COMPARE = ["compare", "plywood", "--runs", "19", "--data"]
 

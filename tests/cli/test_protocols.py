@@ -9,10 +9,10 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.settings import chosen_loop, set_settings
+from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
 from cyclemap.mechanics import SidePush
 from cyclemap.resets import (
@@ -54,12 +54,6 @@ REFUSING = [
     ["compare", "plywood", "--data", "measured.csv"],
     ["identify", "measured.csv"],
 ]
-
-
-@pytest.mark.parametrize("text", ["mu_a", "=3", "mu_a=", " = ", ""])
-def test_set_without_key_or_value_is_refused(text) -> None:
-    with pytest.raises(InvalidInput, match="is not of the form key=value"):
-        set_settings([text])
 
 
 @pytest.mark.parametrize(
