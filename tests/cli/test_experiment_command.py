@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop, DynamicLoop, compare_dynamics, isotropic_twin
-from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
+from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop
 from cyclemap.views.experiment_page import (
     experiment_headline,
     experiment_page,
@@ -129,22 +128,3 @@ def test_people_are_told_the_largest_differences_and_every_cycle(here, capsys) -
     for part in ("differ by at most", "Cycles at 50 mm/s", "quasi-static", "isotropic", "dynamics_plywood.svg"):
         assert part in shown
     assert (here / "out" / "dynamics_plywood.svg").read_bytes().startswith(b"<?xml")
-
-
-def test_one_orientation_shows_the_quasi_static_turn_by_a_marker() -> None:
-    loop = DynamicLoop(CollectionLoop.from_settings({"push_mm": 20}))
-    one, two = compare_dynamics(loop, [1.0]), compare_dynamics(loop, [1.0, 2.0])
-    shown = [[line.get_marker() for line in dynamics_page(each, each).axes[0].lines] for each in (one, two)]
-    assert shown == [["x", "o", "x", "o"], ["None", "o", "None", "o"]]
-
-
-def test_the_page_shows_both_laws_and_says_how_far_they_differ() -> None:
-    loop = CollectionLoop.from_settings({"push_mm": 20})
-    comparisons = [compare_dynamics(DynamicLoop(each), [0.0, 2.0]) for each in (loop, isotropic_twin(loop))]
-    page = dynamics_page(*comparisons)
-    assert len(page.axes) == 3
-    assert [axes.get_xlabel() for axes in page.axes] == ["θ0 (°)"] * 3
-    # Three turns and two components of the displacement, each on two laws, and the line at zero.
-    assert [len(axes.lines) for axes in page.axes] == [4, 7, 5]
-    words = " ".join(" ".join(text.get_text().split()) for text in page.texts)
-    assert all(difference_sentence(comparison) in words for comparison in comparisons)

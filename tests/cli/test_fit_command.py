@@ -136,17 +136,3 @@ def test_a_folder_of_which_nothing_can_be_read_is_exit_1_with_the_first_reasons_
 def test_bad_use_is_one_line_and_exit_2(here, refused, arguments, told) -> None:
     collection(here / "pushes.csv", count=5)
     refused(["fit", *arguments], told)
-
-
-@pytest.mark.slow
-def test_the_measured_plywood_is_told_with_its_turns_steps_and_peak(here, capsys, measured_data) -> None:
-    assert run(["fit", str(measured_data / "plywood_rect1_theta0_2000.csv"), "--json", "-"]) == 0
-    (found,) = json.loads(capsys.readouterr().out)["sets"]
-    forecast = found["cycle_map"]["forecast"]
-    assert found["cycle_map"]["dropped"] == {"jump": 3}
-    assert forecast["measured_turns"] == pytest.approx(17.48, abs=0.01)
-    assert forecast["predicted_turns"] == pytest.approx(16.4, abs=0.3)
-    turns = forecast["full_turns"]
-    assert (turns[0]["measured_pushes"], turns[-1]["measured_pushes"]) == (258.0, 46.0)
-    assert forecast["peak_deg"] == [95.0, 100.0]
-    assert forecast["predicted_peak_deg"] in ([90.0, 95.0], [95.0, 100.0])

@@ -41,15 +41,6 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(here, printed, asse
     assert_written(here / "pictures", "staircase_plywood", text)
 
 
-@pytest.mark.slow
-def test_people_are_told_where_it_rests_how_long_and_how_high_it_climbs(here, capsys) -> None:
-    assert run([*GHOST, "--format", "svg", "--cycles", "1000"]) == 0
-    shown = capsys.readouterr().out
-    for part in ("θ0 rests near", "steps are 360° high", "In one run of 1000 cycles", "staircase_plywood.svg"):
-        assert part in shown
-    assert (here / "out" / "staircase_plywood.svg").read_bytes().startswith(b"<?xml")
-
-
 def test_pairs_without_an_order_are_refused(here, refused) -> None:
     (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
     refused(["staircase", "plywood", "--data", "pairs.csv"], "order")
@@ -92,11 +83,3 @@ def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(her
     assert changed["prediction"]["offset"] == 0.0
     names = {path.name for path in (here / "out").iterdir()}
     assert {"fingerprint_protocol.png", "fingerprint_isotropic_changed.svg"} < names
-
-
-@pytest.mark.slow
-def test_people_read_the_five_numbers_and_the_direction_with_its_error(tmp_path, capsys) -> None:
-    assert run(["fingerprint", "plywood", "--out", str(tmp_path)]) == 0
-    shown = capsys.readouterr().out
-    for words in ("8.002", "117.279", "129.478", "101.365", "−111.061", "plywood locks into 59.4° ± 21.1°"):
-        assert words in shown

@@ -1,6 +1,5 @@
 """--set, protocol files and strategies: what is understood, what is refused, which of two wins, what follows."""
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,10 +9,10 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.settings import chosen_loop, set_settings
+from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
 from cyclemap.mechanics import SidePush
 from cyclemap.resets import (
@@ -55,12 +54,6 @@ REFUSING = [
     ["compare", "plywood", "--data", "measured.csv"],
     ["identify", "measured.csv"],
 ]
-
-
-@pytest.mark.parametrize("text", ["mu_a", "=3", "mu_a=", " = ", ""])
-def test_set_without_key_or_value_is_refused(text) -> None:
-    with pytest.raises(InvalidInput, match="is not of the form key=value"):
-        set_settings([text])
 
 
 @pytest.mark.parametrize(
@@ -157,18 +150,6 @@ def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, report_of) -
     assert (report["fixed_points"], report["rotation_number"]["locked"]) == ([], None)
     climbed = report["staircase"]["run"]["climb_deg"] / 360.0 / 300.0
     assert climbed == pytest.approx(report["rotation_number"]["value"])
-
-
-@pytest.mark.slow
-def test_the_portraits_picture_and_words_say_how_uniform_it_is(protocol, capsys) -> None:
-    arguments = ["portrait", "plywood", "--protocol", protocol(IN_TURN), "--cycles", "60", "--set", "noise_deg=30"]
-    assert run([*arguments, "--format", "svg"]) == 0
-    shown = capsys.readouterr().out
-    said = " ".join(shown.split())
-    assert "away from uniform" in said and "in turn: push 10 mm on side 0 at 0.7, push 20 mm on side 2 at 0.7" in said
-    assert Path("out/portrait_plywood.svg").read_text().startswith("<?xml")
-    report = json.loads(Path("out/portrait_plywood.json").read_text())
-    assert report["strategy"]["order"] == "in turn"
 
 
 @pytest.mark.slow

@@ -32,17 +32,6 @@ def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, printe
     assert math.radians(first["theta0_deg_last"]) == pytest.approx(last, abs=1e-12)
 
 
-@pytest.mark.slow
-def test_people_are_told_how_many_where_how_large_and_what_to_do_next(tmp_path, capsys) -> None:
-    assert simulate(tmp_path, "--scans") == 0
-    lines = capsys.readouterr().out.splitlines()
-    size = sum(file.stat().st_size for file in tmp_path.rglob("*.h5")) / 1e6
-    assert lines[0] == f"3 pushes and 144 friction scans in {tmp_path}, {size:.1f} MB"
-    assert lines[1].startswith("The last push starts at θ0 = ")
-    assert lines[2] == f"next: cyclemap fit {tmp_path}"
-    assert [len(list(tmp_path.rglob(f"{kind}_*.h5"))) for kind in ("motion", "record")] == [3, 144]
-
-
 def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
     options = ["--start-deg", "90", "--seed", "5", "--pose-noise-mm", "0.2", "--pose-noise-deg", "0.5"]
     options += ["--force-noise-n", "0.03", "--speed-mm-s", "50", "--noise-deg", "2", "--wear-to", "isotropic"]

@@ -42,10 +42,6 @@ def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_in
     assert np.all((shares > 0.8) & (shares < 1.0))
 
 
-def test_the_ring_of_the_neutral_loop_lies_further_out_than_the_nominal_one(result) -> None:
-    assert result.ring == pytest.approx(0.0213, abs=1e-4)
-
-
 @pytest.mark.slow
 def test_the_picture_has_three_panels_and_a_caption_with_its_numbers(result) -> None:
     drawn = FIGURE.draw(result)

@@ -80,10 +80,6 @@ def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")
 
 
-def test_a_recorded_set_gives_its_theta0(tmp_path_factory) -> None:
-    assert made(theta0_histograms, recorded_folder(tmp_path_factory))[1].theta0.size == RECORDED_ABS
-
-
 # -- Fig. 7 ------------------------------------------------------------------------------------------------
 
 
@@ -107,13 +103,6 @@ def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measur
     assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")
     assert figure.axes[-1].get_xlabel() == "turn of the whole cycle, push and drag (°)"
     assert_words_apart(figure)
-
-
-def test_a_recorded_set_gives_its_turns(tmp_path_factory) -> None:
-    found = made(turn_histograms, recorded_folder(tmp_path_factory))
-    panel = found.panels[1]
-    assert (panel.surface, panel.recorded, panel.histogram.count) == ("abs", True, RECORDED_ABS)
-    assert f"Of {RECORDED_ABS} pushes recorded on abs" in turn_histograms.caption(found)
 
 
 # -- Fig. 5 ------------------------------------------------------------------------------------------------
@@ -202,13 +191,24 @@ def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(me
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")
 
 
+def test_a_climb_counts_its_turns_and_its_first_stay() -> None:
+    climb = staircases.climb_of(np.repeat(2 * np.pi * np.arange(5.0), 30), np.pi)
+    assert climb.steps.count == 4 and climb.turns == 4.0 and climb.first_stay == 30
+    assert climb.turn_pushes.tolist() == [30, 30, 30]
+
+
+def test_a_recorded_set_gives_its_turns(tmp_path_factory) -> None:
+    found = made(turn_histograms, recorded_folder(tmp_path_factory))
+    panel = found.panels[1]
+    assert (panel.surface, panel.recorded, panel.histogram.count) == ("abs", True, RECORDED_ABS)
+    assert f"Of {RECORDED_ABS} pushes recorded on abs" in turn_histograms.caption(found)
+
+
 def test_a_recorded_set_gives_its_climb(tmp_path_factory) -> None:
     found = made(staircases, recorded_folder(tmp_path_factory))
     assert found[1].recorded.path.size == RECORDED_ABS and found[3].recorded is None
     assert f"The recorded path of {RECORDED_ABS} pushes" in staircases.caption(found)
 
 
-def test_a_climb_counts_its_turns_and_its_first_stay() -> None:
-    climb = staircases.climb_of(np.repeat(2 * np.pi * np.arange(5.0), 30), np.pi)
-    assert climb.steps.count == 4 and climb.turns == 4.0 and climb.first_stay == 30
-    assert climb.turn_pushes.tolist() == [30, 30, 30]
+def test_a_recorded_set_gives_its_theta0(tmp_path_factory) -> None:
+    assert made(theta0_histograms, recorded_folder(tmp_path_factory))[1].theta0.size == RECORDED_ABS

@@ -2,15 +2,19 @@
 
 import shutil
 
-import numpy as np
 import pytest
-from figure_cases import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
+from figure_cases import RECORDED_ABS, RECORDED_PLYWOOD, recorded_folder, recorded_loop
 
 from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import simulate_collection
+<<<<<<< HEAD
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.measured_sets import measured_run, measured_scans, measured_theta0, not_found
+=======
+from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.measured_sets import measured_run, measured_theta0
+>>>>>>> te1
 from cyclemap.mechanics import SidePush
 
 
@@ -39,13 +43,6 @@ def test_theta0_of_a_set_is_its_path(recorded) -> None:
     assert measured_theta0(recorded, "pu") is None
 
 
-def test_plywoods_theta0_come_from_their_own_file_where_no_set_is_there(measured_data) -> None:
-    folder = MeasuredFolder(measured_data)
-    assert measured_theta0(folder, "plywood").path.size == 2000
-    assert measured_theta0(folder, "abs") is None
-    assert [measured_run(folder, name) for name in ("plywood", "abs")] == [None, None]
-
-
 def test_pushes_of_another_protocol_or_too_few_are_no_set(tmp_path) -> None:
     base = CollectionLoop.mit("abs", accuracy=1e-4, push=SidePush(distance=0.02))
     simulate_collection(CollectionLoop.from_settings({"fraction": 0.5}, base), tmp_path / "other", 20)
@@ -59,19 +56,6 @@ def test_damaged_files_are_counted_and_the_rest_is_kept(recorded, tmp_path) -> N
     files[3].write_bytes(b"no HDF5")
     found = measured_run(MeasuredFolder(tmp_path), "abs")
     assert found.unreadable == 1 and found.pushes.count == RECORDED_ABS - 1
-
-
-@pytest.mark.slow
-def test_friction_scans_are_found_with_their_forces(recorded) -> None:
-    scans = measured_scans(recorded, "plywood")
-    assert len(scans) == SCANS and np.isfinite(scans["force_along"]).all()
-    assert measured_scans(recorded, "abs") is None and measured_scans(NOWHERE, "plywood") is None
-
-
-def test_without_a_folder_nothing_is_found_and_the_note_names_what_is_missing() -> None:
-    assert measured_run(NOWHERE, "abs") is None and measured_theta0(NOWHERE, "plywood") is None
-    assert not_found("θ0", ["abs"]) == f"Recorded θ0 on abs: {NO_DATA}."
-    assert not_found("pushes", []) == ""
 
 
 def test_who_watches_the_folder_learns_where_the_pushes_were(recorded) -> None:

@@ -28,14 +28,6 @@ def test_at_the_tip_of_the_tongue_isotropic_friction_turns_the_object_by_nothing
     assert np.nanmin(result.first.scale) < 0.02
 
 
-def test_without_anisotropy_the_plane_is_the_isotropic_rotation(result) -> None:
-    column = 360 * result.plane.value[:, 0]
-    for row in (0, 7, 14):
-        radius = float(result.plane.first_values[row])
-        turn = with_ring_at(with_anisotropy_times(PLYWOOD, 0.0), radius).cycle(0.3).theta_next - 0.3
-        assert column[row] == pytest.approx(math.degrees(turn), abs=0.15)
-
-
 def test_the_grid_is_locked_between_the_edges_and_winds_outside(result) -> None:
     """On both sides of both edges, and the locked places have one stable direction each."""
     locked = result.plane.period == 1

@@ -18,15 +18,6 @@ from cyclemap.figures.pushed_paths import (
 )
 
 
-@pytest.mark.slow
-def test_four_surfaces_in_the_papers_order_with_as_many_pushes_as_asked() -> None:
-    found = small_paths()
-    assert [paths.surface for paths in found] == ["plywood", "abs", "delrin", "pu"]
-    assert [paths.material for paths in found] == ["plywood-measured", "abs", "delrin", "pu"]
-    assert all(paths.theta0.shape == (DRAWN,) and paths.orientations.shape == (CYCLES,) for paths in found)
-    assert not any(paths.recorded for paths in found)
-
-
 @pytest.mark.parametrize("number", [1, 3])
 def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> None:
     paths = small_paths()[number]
@@ -100,12 +91,6 @@ def test_measured_orientations_are_pushed_on_the_floor_as_worn_as_it_then_was(me
         assert paths.theta0[push] == paths.orientations[cycle]
         assert paths.turn[push] == pytest.approx(run.push_turn, abs=1e-4)
     assert paths_from_measured_theta0(MeasuredFolder(measured_data), "abs") is None
-
-
-def test_no_folder_holds_no_recorded_pushes(tmp_path) -> None:
-    assert recorded_paths(MeasuredFolder(None), "plywood") is None
-    assert recorded_paths(MeasuredFolder(tmp_path), "plywood") is None
-    assert paths_from_measured_theta0(MeasuredFolder(tmp_path), "plywood") is None
 
 
 def test_chords_of_a_circle_cross_exactly_when_their_ends_alternate() -> None:

@@ -5,7 +5,11 @@ import pytest
 from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
 
 from cyclemap.figures import table_deviations, table_law_errors
+<<<<<<< HEAD
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
+=======
+from cyclemap.figures.measured_folder import NO_DATA
+>>>>>>> te1
 from cyclemap.figures.simulated_collections import sampled_run
 from cyclemap.figures.table_law_errors import simulated_laws
 
@@ -61,12 +65,6 @@ def test_recorded_pushes_have_a_row_of_their_own(tmp_path_factory, module) -> No
     assert module.TABLE.caption(found).endswith(f"Recorded pushes on delrin and pu: {NO_DATA}.")
 
 
-@both
-def test_the_folder_of_measured_data_adds_no_row(measured_data, deviations, errors, module) -> None:
-    result = deviations if module is table_deviations else errors
-    assert module.rows(module.compute(MeasuredFolder(measured_data), SMALL)) == module.rows(result)
-
-
 def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(deviations) -> None:
     pushes = sampled_run("pu", SMALL).pushes
     (row,) = [row for row in table_deviations.rows(deviations) if row[1] == "simulated, pu"]
@@ -74,11 +72,6 @@ def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(d
     for place, value in enumerate((np.degrees(pushes.dtheta), 1e3 * pushes.dx, -1e3 * pushes.dy)):
         mean, std = np.mean(value), np.std(value, ddof=1)
         assert row[3 + 3 * place : 6 + 3 * place] == (f"{mean:.1f}", f"{std:.2f}", f"{100 * std / mean:.2f}")
-
-
-def test_plywood_is_simulated_twice(deviations) -> None:
-    sources = [row[1] for row in table_deviations.rows(deviations) if row[0] == "plywood"]
-    assert sources == ["paper", "simulated, plywood", "simulated, plywood-measured"]
 
 
 def test_simulated_errors_are_the_residuals_of_the_laws(errors) -> None:

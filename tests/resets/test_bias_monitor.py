@@ -108,17 +108,6 @@ def test_locked_collections_are_told_within_60_pushes_with_their_direction() -> 
     assert max(errors) < math.radians(15.0)
 
 
-def test_a_rest_that_comes_late_is_told_as_one_that_comes_at_once_but_for_a_few_pushes() -> None:
-    random = np.random.default_rng(5)
-    free = np.cumsum(np.radians(8.0 + 1.1 * random.standard_normal(500)))
-    resting = free[-1] + np.radians(0.5 * random.standard_normal(60))
-    alarm = watch(np.r_[free, resting].tolist())[-1].alarm
-    assert alarm.kind == "rest"
-    # The beginning is known to within a window.
-    assert 493 <= alarm.began <= 503
-    assert alarm.push <= 520
-
-
 def test_after_a_change_of_the_reset_the_evidence_starts_anew_and_the_coverage_stays() -> None:
     monitor = BiasMonitor()
     first = watch([1.0] * 40, monitor)[-1]
@@ -140,16 +129,6 @@ def test_a_rest_is_reported_once_it_has_lasted_twice_the_window() -> None:
     reports = watch([1.0] * 20)
     assert [report.rest is not None for report in reports].index(True) == 7
     assert all(report.rest is None for report in watch(np.random.default_rng(9).uniform(0, 2 * np.pi, 300).tolist()))
-
-
-def test_the_first_alarm_stays_while_the_evidence_moves_on() -> None:
-    monitor = BiasMonitor()
-    reports = watch([1.0] * 30 + (1.0 + np.arange(40) * 0.4).tolist(), monitor)
-    assert len({report.alarm for report in reports if report.alarm is not None}) == 1
-    assert reports[-1].alarm.push == 14
-    assert reports[-1].rest is None
-    assert reports[-1].useful_pushes is None
-    assert reports[-1].rest_evidence < reports[30].rest_evidence
 
 
 def test_a_number_that_is_none_is_refused_and_leaves_the_monitor_as_it_was() -> None:

@@ -18,13 +18,6 @@ def covering(theta) -> Coverage:
     return coverage
 
 
-@pytest.mark.parametrize("count", [13, 20, 57])
-def test_an_even_spread_is_worth_as_many_pushes_as_it_has(count) -> None:
-    state = covering(0.4 + np.arange(count) * 2 * np.pi / count).state()
-    assert state.effective_pushes == pytest.approx(count, rel=1e-9)
-    assert state.gain == pytest.approx(1.0)
-
-
 def test_worth_is_the_root_of_the_information_determinant() -> None:
     theta = np.random.default_rng(0).vonmises(1.0, 1.0, 60)
     columns = fourier_columns(theta, 6) * np.r_[1.0, np.full(12, math.sqrt(2.0))]
@@ -48,10 +41,6 @@ def test_useful_repeats_are_those_that_recording_them_finds_useful() -> None:
         found += 1
     assert found > 10
     assert predicted == found
-
-
-def test_repeats_that_tell_nothing_are_not_useful() -> None:
-    assert covering(np.full(200, 1.0)).useful_repeats((1.0,), 0.1) == 0
 
 
 def test_following_the_advice_halves_the_gaps_again_and_again() -> None:

@@ -104,16 +104,6 @@ def test_steady_climbs_with_noise_leave_no_evidence(turn_deg) -> None:
     assert rest_evidence_of(path).max() < 1.0
 
 
-def test_chains_on_the_edge_of_no_bias_raise_alarms_at_most_as_often_as_promised() -> None:
-    """Each betted chance is one half exactly: 100 chains of 120 pushes, against the promise of one fifth."""
-    random = np.random.default_rng(11)
-    highest = [rest_evidence_of(path_of(random.random(114) < 0.5), SINGLE).max() for _ in range(100)]
-    assert len(highest) == 100
-    alarms = int(np.sum(np.array(highest) >= math.log(5.0)))
-    # Three standard deviations above 20; and the bets do run.
-    assert 1 <= alarms <= 20 + 12
-
-
 def test_a_settling_path_tells_its_limit_before_it_is_there() -> None:
     random = np.random.default_rng(2)
     errors, lags = [], []

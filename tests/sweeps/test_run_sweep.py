@@ -8,7 +8,7 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 import distributed
 import numpy as np
 import pytest
-from fake_numbers import FakeNumbers, fake_plan, fake_values, logged
+from fake_numbers import FakeNumbers, fake_plan, logged
 
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, sweep_status, write_csv
@@ -49,21 +49,6 @@ def swept_csv(path, plan, **options) -> bytes:
 def alone(tmp_path) -> bytes:
     """The CSV of a sweep by one process, undisturbed."""
     return swept_csv(tmp_path / "alone.sqlite", fake_plan(rows=12), workers=1)
-
-
-def test_the_numbers_are_those_of_the_points(tmp_path) -> None:
-    path = tmp_path / "sweep.sqlite"
-    run_sweep(fake_plan(), path, workers=1)
-    found = load_sweep(path)
-    assert len(found) == 20
-    for place in range(20):
-        wanted = fake_values(found.swept["mu_a"][place], found.swept["hitch_x_mm"][place])
-        assert {name: values[place] for name, values in found.columns.items()} == {
-            name: value for name, value in wanted.items() if not isinstance(value, tuple)
-        }
-        assert [tuple(values[place].tolist()) for values in found.lists.values()] == [
-            value for value in wanted.values() if isinstance(value, tuple)
-        ]
 
 
 @pytest.mark.slow

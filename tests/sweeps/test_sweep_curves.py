@@ -53,13 +53,6 @@ def test_lines_run_along_the_key_with_every_fixed_point(swept) -> None:
     assert np.degrees(0.1 + 8.0 / 7.0) in theta[stable]
 
 
-def test_a_selection_of_one_key_is_drawn_as_lines(swept) -> None:
-    curves = sweep_curves(swept(fake_plan(refused_above=0.28)).select(hitch_x_mm=-20.0))
-    assert isinstance(curves, SweptLines)
-    assert curves.axis.key == "mu_a" and curves.refused.tolist() == [0.3]
-    assert curves.rotation_at.size == 4
-
-
 @pytest.mark.slow
 def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(swept, tmp_path) -> None:
     ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}

@@ -30,12 +30,6 @@ def test_numbers_of_numpy_are_numbers() -> None:
     assert arrays.point(1).digest == plain.point(1).digest
 
 
-def test_materials_are_swept_by_name() -> None:
-    plan = SweepPlan.grid(None, {"material": ("abs", "pu"), **OVER})
-    assert [plan.point(number).material.name for number in range(4)] == ["abs", "abs", "pu", "pu"]
-    assert dict(plan.point(3).settings) == {"mu_a": 0.3}
-
-
 def test_every_point_has_its_own_digest_and_the_same_in_another_plan() -> None:
     plan = fake_plan()
     digests = [plan.point(number).digest for number in range(len(plan))]

@@ -81,18 +81,6 @@ def test_a_sample_is_selected_by_ranges_and_has_no_grid(sample) -> None:
         sample.select(mu_a=0.9)
 
 
-def test_an_unfinished_grid_has_holes(tmp_path) -> None:
-    def stop(status) -> None:
-        if status.stored >= 3:
-            raise KeyboardInterrupt
-
-    path = tmp_path / "sweep.sqlite"
-    with pytest.raises(KeyboardInterrupt):
-        run_sweep(fake_plan(), path, workers=1, progress=stop)
-    found = load_sweep(path)
-    assert np.isfinite(found.on_grid("rotation")).sum() == len(found) < 20
-
-
 @pytest.mark.parametrize(
     ("ask", "message"),
     [

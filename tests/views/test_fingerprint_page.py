@@ -10,7 +10,7 @@ from cyclemap.collection import Anisotropy, Fingerprint, Prediction, PredictionC
 from cyclemap.collection.fingerprint_prediction import CheckedDirection
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.views import fingerprint_page as sentences
-from cyclemap.views.fingerprint_page import draw_prediction, draw_responses, fingerprint_page
+from cyclemap.views.fingerprint_page import draw_prediction, fingerprint_page
 from cyclemap.views.style import PREDICTED, render
 
 PUSH = TurnResponse(1.2, [0.3, 0.1, 0.2, -0.4], np.zeros((4, 4)))
@@ -27,21 +27,6 @@ def checked(prediction: Prediction) -> PredictionCheck:
     points = tuple(fixed_points(full))
     pairs = zip(prediction.directions, points, strict=True)
     return PredictionCheck(full, points, tuple(CheckedDirection(one, orbit, 0.01) for one, orbit in pairs))
-
-
-@pytest.mark.parametrize(("ellipse", "harmonic"), [(False, 1), (True, 2)])
-def test_the_answers_are_one_harmonic_with_the_amplitude_and_phase_of_the_numbers(ellipse, harmonic) -> None:
-    axes = panel()
-    draw_responses(axes, FOUND, ellipse)
-    assert legend_words(axes) == ["push", "drag", "cycle"]
-    for name, response in (("push", PUSH), ("drag", DRAG), ("cycle", FOUND.cycle)):
-        amplitude = response.ellipse_amplitude if ellipse else response.offset_amplitude
-        phase = response.ellipse_phase if ellipse else response.offset_phase
-        degrees, turn = labelled(axes, name).get_data()
-        expected = math.degrees(0.01 * amplitude) * np.cos(harmonic * np.radians(degrees) - phase)
-        assert turn == pytest.approx(expected, abs=1e-12)
-    assert "(°)" in axes.get_xlabel() and "(°)" in axes.get_ylabel()
-    png(axes)
 
 
 def test_the_prediction_is_drawn_with_its_error_its_directions_and_the_full_map() -> None:

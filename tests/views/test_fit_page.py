@@ -70,16 +70,6 @@ def test_laws_are_drawn_in_degrees_and_millimetres_where_the_pushes_are(whole) -
         assert np.mean((dots.get_ydata() >= low) & (dots.get_ydata() <= high)) >= 0.99
 
 
-def test_a_worn_map_is_drawn_early_and_late_and_another_once_beside_its_staircase(whole, angles) -> None:
-    page, fixed = fit_page(whole).axes, fit_page(angles).axes[0]
-    labels = [line.get_label() for line in page[4].lines if line.get_label().startswith("push")]
-    assert labels == [f"push {state.cycle:.0f}" for state in (whole.cycle_map.early, whole.cycle_map.late)]
-    assert sum(line.get_label() == "fitted map" for line in fixed.lines) == 1
-    assert [line.get_label() for line in page[6].lines] == ["measured", "predicted"]
-    assert np.allclose(page[6].lines[0].get_ydata(), np.degrees(whole.pushes.pairs.path))
-    assert np.allclose(page[6].lines[1].get_ydata(), np.degrees(whole.cycle_map.forecast.run))
-
-
 def test_sentences_carry_the_numbers(whole) -> None:
     said = " ".join(sentences.set_sentences(whole))
     law, forecast = whole.laws.dtheta, whole.cycle_map.forecast

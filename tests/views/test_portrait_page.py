@@ -26,26 +26,6 @@ def axes_titled(page, title):
     return found[0]
 
 
-def line_with(axes, x, y):
-    """The lines of `axes` that run through exactly these points."""
-    wanted = np.column_stack([x, y])
-    return [
-        one for one in axes.lines if one.get_xydata().shape == wanted.shape and np.allclose(one.get_xydata(), wanted)
-    ]
-
-
-@pytest.mark.slow
-def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -> None:
-    result = drawn("locked")
-    axes = axes_titled(result.page, "Turn")
-    theta, turn = result.curves.turn.pieces[0]
-    assert len(line_with(axes, np.rad2deg(theta), np.rad2deg(turn))) == 1
-    dots = [line for line in axes.lines if line.get_marker() == "o"]
-    faces = {round(float(dot.get_xdata()[0]), 6): dot.get_markerfacecolor() == style.PREDICTED for dot in dots}
-    expected = {round(float(np.rad2deg(o.points[0])), 6): o.stable for o in result.portrait.fixed_points}
-    assert len(expected) == 2 and faces == expected
-
-
 @pytest.mark.slow
 def test_density_is_per_degree_and_the_staircase_has_both_runs(drawn) -> None:
     result = drawn("rotating", True)
@@ -57,16 +37,6 @@ def test_density_is_per_degree_and_the_staircase_has_both_runs(drawn) -> None:
     lines = {line.get_label(): line.get_ydata() for line in axes_titled(result.page, "Staircase").lines}
     assert np.allclose(lines["predicted"], np.rad2deg(result.portrait.staircase.theta))
     assert np.allclose(lines["measured"], np.rad2deg(result.measured.pairs.path))
-
-
-def test_cycle_is_drawn_to_scale_in_millimetres(drawn) -> None:
-    result = drawn("locked")
-    for title, stroke in (("Push", result.curves.scene.push), ("Drag", result.curves.scene.drag)):
-        axes = axes_titled(result.page, title)
-        assert axes.get_aspect() == 1.0
-        outlines = [patch.get_path().vertices for patch in axes.patches]
-        assert any(o.shape == stroke.after.shape and np.allclose(o, 1000 * stroke.after) for o in outlines)
-        assert len(line_with(axes, *(1000 * stroke.rod).T)) >= 1
 
 
 @pytest.mark.slow
@@ -193,3 +163,21 @@ def test_a_material_says_where_it_is_from_and_what_it_misses() -> None:
     assert "wears over 2000 cycles" in told
     assert "where isotropic friction misses" in sentences.material_line(load_material("plywood"))
     assert sentences.material_line(load_material("isotropic")) == ""
+
+
+def line_with(axes, x, y):
+    """The lines of `axes` that run through exactly these points."""
+    wanted = np.column_stack([x, y])
+    return [
+        one for one in axes.lines if one.get_xydata().shape == wanted.shape and np.allclose(one.get_xydata(), wanted)
+    ]
+
+
+def test_cycle_is_drawn_to_scale_in_millimetres(drawn) -> None:
+    result = drawn("locked")
+    for title, stroke in (("Push", result.curves.scene.push), ("Drag", result.curves.scene.drag)):
+        axes = axes_titled(result.page, title)
+        assert axes.get_aspect() == 1.0
+        outlines = [patch.get_path().vertices for patch in axes.patches]
+        assert any(o.shape == stroke.after.shape and np.allclose(o, 1000 * stroke.after) for o in outlines)
+        assert len(line_with(axes, *(1000 * stroke.rod).T)) >= 1

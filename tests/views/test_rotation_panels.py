@@ -1,14 +1,12 @@
 """Rotation numbers: planes, staircases and tongues show the values at the parameters they belong to."""
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 from drawn_panels import labelled, legend_words, panel, png, written
-from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.collections import QuadMesh
 
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_numbers, rotation_plane, tongues
-from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane, draw_tongues, ratio_name
+from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane, draw_tongues
 
 pytestmark = pytest.mark.slow
 
@@ -37,35 +35,6 @@ def test_plane_shows_every_value_in_its_own_cell(plane) -> None:
     png(axes)
 
 
-def test_outlines_separate_locked_cells_from_all_others(plane) -> None:
-    axes = panel()
-    draw_rotation_plane(axes, plane)
-    edges = one(axes, LineCollection)
-    drawn = {tuple(np.round(np.sort(part, axis=0), 9).ravel().tolist()) for part in edges.get_segments()}
-    first = np.linspace(-0.01, 0.51, 27)
-    names = [[plane.locked(i, j) for j in range(4)] for i in range(26)]
-    short = [[name if name is not None and name.denominator <= 6 else None for name in row] for row in names]
-    upright = 0
-    for j, (low, high) in enumerate([(0.05, 0.35), (0.35, 0.65), (0.65, 0.95), (0.95, 1.25)]):
-        for i in range(25):
-            edge = tuple(np.round([first[i + 1], low, first[i + 1], high], 9).tolist())
-            assert (edge in drawn) == (short[i][j] != short[i + 1][j])
-            upright += edge in drawn
-    assert upright > 8
-    assert {"0/1", "1/2"} <= set(written(axes))
-
-
-def test_only_folded_cells_are_hatched(plane) -> None:
-    axes = panel()
-    draw_rotation_plane(axes, plane)
-    hatched = [artist for artist in axes.collections if artist.get_hatch()]
-    assert len(hatched) == 2
-    for artist in hatched:
-        (run,) = artist.get_paths()
-        assert run.get_extents().get_points() == pytest.approx(np.array([[-0.01, 0.95], [0.51, 1.25]]))
-    assert legend_words(axes) == ["folded: an interval of rotation numbers, one orbit's shown"]
-
-
 def test_plane_of_one_cell_and_one_running_down_are_drawn() -> None:
     axes = panel()
     draw_rotation_plane(axes, rotation_plane(MOEBIUS_FAMILY, [0.5], [0.3]))
@@ -84,8 +53,6 @@ def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> 
     draw_rotation_numbers(axes, omega, numbers, "Ω (turns a cycle)")
     curve = labelled(axes, "middle")
     assert np.array_equal(curve.get_ydata(), numbers.value)
-    band = axes.collections[0].get_paths()[0].vertices
-    assert band[:, 1].min() <= numbers.lower.min() and band[:, 1].max() >= numbers.upper.max()
     thick = [line for line in axes.lines if line.get_linewidth() == 3.0]
     assert len(thick) >= 5
     for line in thick:
@@ -93,22 +60,12 @@ def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> 
         inside = (omega >= low) & (omega <= high)
         assert value == again and np.all(numbers.value[inside] == value) and np.all(numbers.period[inside] > 0)
     assert {"0/1", "1/3", "1/2", "2/3", "1/1"} <= set(written(axes))
-    assert axes.get_ylabel() == "rotation number (turns a cycle)"
     png(axes)
 
 
 @pytest.fixture(scope="module")
 def boundaries():
     return tongues(CircleMap.arnold, [0, (1, 2), (1, 3)], [0.4, 0.8, 1.2], (-0.5, 1.0))
-
-
-def test_edges_of_the_main_tongue_are_where_theory_has_them(boundaries) -> None:
-    axes = panel()
-    draw_tongues(axes, boundaries, "Ω", "K")
-    places = {(round(float(x), 9), float(y)) for line in axes.lines for x, y in line.get_xydata()}
-    for K in (0.4, 0.8, 1.2):
-        assert {(round(side * K / (2 * np.pi), 9), K) for side in (-1, 1)} <= places
-    png(axes)
 
 
 def test_every_tongue_is_filled_and_named_and_folded_edges_are_dashed(boundaries) -> None:
@@ -124,14 +81,3 @@ def test_every_tongue_is_filled_and_named_and_folded_edges_are_dashed(boundaries
     assert len(dashed) == len(solid) == 6
     assert all(line.get_ydata()[-1] == 1.2 for line in dashed) and all(max(line.get_ydata()) < 1.0 for line in solid)
     assert legend_words(axes) == ["edge of a tongue", "edge where the map folds"]
-
-
-def test_one_tongue_at_one_value_is_drawn() -> None:
-    axes = panel()
-    draw_tongues(axes, tongues(CircleMap.arnold, [(1, 2)], [0.5], (0.0, 1.0)))
-    assert written(axes) == ["1/2"]
-    png(axes)
-
-
-def test_ratios_are_written_in_full() -> None:
-    assert [ratio_name(Fraction(*pair)) for pair in ((0, 1), (-2, 5), (3, 1))] == ["0/1", "−2/5", "3/1"]

@@ -36,17 +36,6 @@ def measured() -> MeasuredStaircase:
     return measured_staircase(Theta0Pairs(path[:-1], path[1:], path))
 
 
-@pytest.mark.slow
-def test_a_page_shows_the_whole_run_and_every_dwell(forecast) -> None:
-    found = forecast(*GHOST)
-    paths, steps, lengths = staircase_page(found).axes
-    assert np.allclose(paths.lines[0].get_ydata(), np.degrees(found.run.theta))
-    bars = [line for line in steps.lines if line.get_linewidth() in (5.0, 2.2)]
-    assert len(bars) == found.steps.levels.size > 10
-    drawn = sum(len(line.get_xdata()) for line in lengths.lines if line.get_linestyle() == "None")
-    assert drawn == found.steps.levels.size
-
-
 def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forecast, measured) -> None:
     paths = staircase_page(forecast(*GHOST), measured).axes[0]
     names = ["map fitted to all data alike, without wear", "measured", "predicted"]
@@ -119,21 +108,6 @@ def test_bars_lie_on_the_dwells_and_are_open_where_censored() -> None:
     assert legend_words(axes) == ["path", "dwell not seen whole", "dwell"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("cycle", "θ, unwrapped (°)")
     png(axes)
-
-
-def test_turns_of_the_zones_are_taken_off_the_path_as_off_the_levels() -> None:
-    turning = CircleMap.arnold(1.15, 0.9)
-    zones = predict_staircase(turning, STEP_NOISE).zones
-    assert [zone.winding for zone in zones] == [1]
-    path = sample_staircase(turning, STEP_NOISE, 150).theta
-    steps = find_steps(path, zones=zones)
-    axes = panel()
-    draw_steps(axes, path, steps)
-    drawn = np.radians(labelled(axes, "path").get_ydata())
-    assert steps.levels.size > 3
-    for start, end, level in zip(steps.start, steps.end, steps.levels, strict=True):
-        assert drawn[start : end + 1].min() < level < drawn[start : end + 1].max()
-    assert axes.get_ylabel().startswith("θ, unwrapped less 360° a cycle (")
 
 
 # -- lengths -----------------------------------------------------------------------------------------------

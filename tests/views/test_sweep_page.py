@@ -108,16 +108,6 @@ def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
 
 
-def test_a_plane_of_rings_shows_the_object_and_mits_ring(swept) -> None:
-    """The outline drawn is that of the object, all of it within the panel, and the star is MIT's ring, in mm."""
-    over = {"hitch_x_mm": (-12.0, -8.0, -4.0), "hitch_y_mm": (-12.0, 0.0, 12.0)}
-    axes = panels(page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS))))[0]
-    outline, star = axes.lines[-2:]
-    assert np.ptp(outline.get_xydata(), axis=0) == pytest.approx([90.0, 90.0])
-    assert all(axes.viewLim.contains(*corner) for corner in outline.get_xydata())
-    assert star.get_xydata()[0] == pytest.approx(1000.0 * np.array(MIT_HITCH))
-
-
 def test_cells_meet_half_way_and_keys_have_their_units() -> None:
     assert cell_edges(np.array([0.0, 1.0, 3.0])).tolist() == [-0.5, 0.5, 2.0, 4.0]
     assert cell_edges(np.array([3.0])).tolist() == [2.5, 3.5]
@@ -159,3 +149,13 @@ def test_a_tongue_that_is_one_cell_wide_at_a_place_is_not_cut_in_two() -> None:
 @pytest.mark.parametrize("corner", [np.s_[:2, :2], np.s_[:2, -2:], np.s_[-2:, :2], np.s_[-2:, -2:]])
 def test_a_tongue_in_a_corner_stays(corner) -> None:
     assert np.count_nonzero(without_specks(plane(60, {2: corner})).period) == 4
+
+
+def test_a_plane_of_rings_shows_the_object_and_mits_ring(swept) -> None:
+    """The outline drawn is that of the object, all of it within the panel, and the star is MIT's ring, in mm."""
+    over = {"hitch_x_mm": (-12.0, -8.0, -4.0), "hitch_y_mm": (-12.0, 0.0, 12.0)}
+    axes = panels(page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS))))[0]
+    outline, star = axes.lines[-2:]
+    assert np.ptp(outline.get_xydata(), axis=0) == pytest.approx([90.0, 90.0])
+    assert all(axes.viewLim.contains(*corner) for corner in outline.get_xydata())
+    assert star.get_xydata()[0] == pytest.approx(1000.0 * np.array(MIT_HITCH))
