@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence.comparison.compare import Comparison, compare
     from cyclemap.evidence.comparison.verdicts import Verdict
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
-    from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
         friction_ellipse_from_scans,
@@ -61,20 +60,32 @@ if TYPE_CHECKING:
         read_wrench_twists,
         wrench_twist_block,
     )
-    from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+    from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
     from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
     from cyclemap.evidence.identification.identify import Identification, identify
     from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace, SurfaceParameters
     from cyclemap.evidence.identified_material import identified_material
-    from cyclemap.evidence.laws.fit_map import FittedMap, MeasuredStaircase, fit_map, measured_staircase
+    from cyclemap.evidence.laws.fit_map import (
+        FittedMap,
+        MeasuredStaircase,
+        WornLaw,
+        fit_map,
+        fit_worn_law,
+        measured_staircase,
+    )
     from cyclemap.evidence.laws.linear_fit import OrderScores
     from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
-    from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
-    from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
+    from cyclemap.evidence.orientations.circular_distance import (
+        CircularLaw,
+        PValue,
+        circular_wasserstein,
+        kernel_modes,
+        kuiper_statistic,
+        total_variation,
+        watson_statistic,
+    )
     from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-    from cyclemap.evidence.orientations.goodness_of_fit import PValue, kuiper_statistic, watson_statistic
-    from cyclemap.evidence.orientations.kernel_modes import kernel_modes
-    from cyclemap.evidence.published_comparison import comparison_table, published_comparison
+    from cyclemap.evidence.published_statistics import comparison_table, published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import (
@@ -85,14 +96,15 @@ if TYPE_CHECKING:
     )
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
-    from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-    from cyclemap.evidence.pushes.theta0_statistics import (
+    from cyclemap.evidence.pushes.theta0_pairs import (
         AngleHistogram,
         MapAgreement,
         MeasuredOverlay,
+        Theta0Pairs,
         TurnBins,
         angle_histogram,
         measured_overlay,
+        read_theta0_pairs,
         turn_bins,
     )
     from cyclemap.evidence.recorded_push import RecordingNoise

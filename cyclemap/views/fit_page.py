@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import LawBand
-from cyclemap.evidence.pushes.theta0_statistics import is_covered
+from cyclemap.evidence.pushes.theta0_pairs import is_covered
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, TurnPace, WornForecast
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views import style

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import FEWEST_FOR_WEAR, MapState, MeasuredCycleMap, TurnPlace
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit
 from cyclemap.views.sentences import angle, number

@@ -17,13 +17,17 @@ from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, 
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+from cyclemap.evidence.orientations.circular_distance import (
+    DEFAULT_BANDWIDTH,
+    PValue,
+    kernel_modes,
+    monte_carlo_p_value,
+)
 from cyclemap.evidence.orientations.collection_null import Ensemble
-from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
-from cyclemap.evidence.orientations.kernel_modes import DEFAULT_BANDWIDTH, kernel_modes
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.pushes.theta0_statistics import (
+from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
     MapAgreement,
+    Theta0Pairs,
     TurnBins,
     angle_histogram,
     turn_bins,

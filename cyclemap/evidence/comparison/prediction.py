@@ -14,9 +14,8 @@ from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.laws.fit_map import FittedMap
+from cyclemap.evidence.laws.fit_map import FittedMap, fit_worn_law
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-from cyclemap.evidence.laws.wear import fit_worn_law
 from cyclemap.evidence.orientations.collection_null import CollectionModel, CollectionRefit
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal

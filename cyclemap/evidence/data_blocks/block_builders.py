@@ -14,18 +14,18 @@ import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
     ScanForces,
+    force_ratio_block,
     friction_scan_block,
     read_wrench_twists,
+    sliding_forces,
     wrench_twist_block,
 )
-from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
-from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.pushes.measured_strokes import (
     CsvSelection,

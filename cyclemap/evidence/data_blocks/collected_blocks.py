@@ -20,9 +20,8 @@ from cyclemap.evidence.data_blocks.block_builders import (
     loop_of_plate,
     recognise,
 )
-from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET
+from cyclemap.evidence.data_blocks.stroke_block import NODES, TIP_OFFSET
 from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told

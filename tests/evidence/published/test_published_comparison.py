@@ -9,9 +9,14 @@ import pytest
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import SurfaceParameters, comparison_table, published_comparison
-from cyclemap.evidence.data_blocks.cycle_pair_block import interpolation, loop_on
-from cyclemap.evidence.published_comparison import CYCLE_NOISE, DIRECTION_TOLERANCE, node_values, predicted_statistics
-from cyclemap.evidence.published_statistics import published_statistics
+from cyclemap.evidence.data_blocks.stroke_block import interpolation, loop_on
+from cyclemap.evidence.published_statistics import (
+    CYCLE_NOISE,
+    DIRECTION_TOLERANCE,
+    node_values,
+    predicted_statistics,
+    published_statistics,
+)
 from cyclemap.mechanics import Material, load_material
 
 NODES, CYCLES = 11, 100
