@@ -262,18 +262,12 @@ class PublishedComparison:
     @property
     def sentence(self) -> str:
         """Means, spreads and directions, predicted and published, in words."""
-        pairs = zip(("turn", "dx", "dy"), ("deg", "mm", "mm"), *self._numbers(), strict=True)
-        told = [f"{name} {found} {unit} (published {given})" for name, unit, found, given in pairs]
-        return f"{', '.join(told)}; {self._directions()}"
-
-    def _numbers(self) -> list[list[str]]:
-        """Mean and standard deviation of each quantity, predicted and published, degrees and mm."""
         both = ((np.array(one.mean) * _UNITS, np.array(one.std) * _UNITS) for one in (self.predicted, self.published))
-        return [[f"{at:.1f} +- {by:.2f}" for at, by in zip(mean, std, strict=True)] for mean, std in both]
-
-    def _directions(self) -> str:
-        text = f"stable directions {_degrees(self.stable)}, peaks of the histogram {_degrees(self.peaks)}"
-        told = f"{text} (published {_degrees(self.published.directions)})"
+        numbers = [[f"{at:.1f} +- {by:.2f}" for at, by in zip(mean, std, strict=True)] for mean, std in both]
+        pairs = zip(("turn", "dx", "dy"), ("deg", "mm", "mm"), *numbers, strict=True)
+        told = ", ".join(f"{name} {found} {unit} (published {given})" for name, unit, found, given in pairs)
+        told += f"; stable directions {_degrees(self.stable)}, peaks of the histogram {_degrees(self.peaks)}"
+        told += f" (published {_degrees(self.published.directions)})"
         missed = np.array(self.published.directions)[self.misses > DIRECTION_TOLERANCE]
         if missed.size:
             told += f"; no peak within 15 deg of {_degrees(missed)}"
@@ -309,17 +303,6 @@ def published_comparison(material: Material | str | Path) -> PublishedComparison
     stable = places[np.argsort(-law[falls])] % (2.0 * np.pi)
     tops = np.flatnonzero((law >= np.roll(law, 1)) & (law > np.roll(law, -1)) & (law * law.size > PEAK))
     return PublishedComparison(surface.name, given, found, stable, found.theta[tops[np.argsort(-law[tops])]])
-
-
-def comparison_table(comparisons: Iterable[PublishedComparison]) -> str:
-    """Return the comparisons as a text table: mean and standard deviation, predicted and published, and directions."""
-    lines = [f"{'':18}{'predicted':>18}{'published':>18}"]
-    for one in comparisons:
-        lines.append(one.material)
-        named = zip(("turn (deg)", "dx (mm)", "dy (mm)"), *one._numbers(), strict=True)
-        lines += [f"  {name:16}{predicted:>18}{published:>18}" for name, predicted, published in named]
-        lines.append(f"  {one._directions()}")
-    return "\n".join(lines)
 
 
 def _degrees(angles: Iterable[float]) -> str:

@@ -26,7 +26,6 @@ from cyclemap.evidence.published_statistics import (
     PUBLISHED_CYCLES,
     SOURCE,
     PublishedStatistics,
-    comparison_table,
     predicted_statistics,
     published_comparison,
     published_statistics,
@@ -143,4 +142,5 @@ if __name__ == "__main__":
     materials = [inferred(name) for name in wanted]
     for material in materials:
         write_whole(Path("out", f"{material.name}.toml"), material_toml(material).encode())
-    print(comparison_table(published_comparison(material) for material in ["plywood", *materials]))
+    for one in ["plywood", *materials]:
+        print(published_comparison(one).sentence)

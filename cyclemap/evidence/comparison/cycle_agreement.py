@@ -18,7 +18,6 @@ from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.orientations.circular_distance import (
-    DEFAULT_BANDWIDTH,
     PValue,
     kernel_modes,
     monte_carlo_p_value,
@@ -196,21 +195,16 @@ class DirectionAgreement:
 
 
 def direction_agreement(
-    path: Array,
-    zones: tuple[SlowZone, ...],
-    ensemble: Ensemble,
-    null: Array,
-    bandwidth: float = DEFAULT_BANDWIDTH,
+    path: Array, zones: tuple[SlowZone, ...], ensemble: Ensemble, null: Array
 ) -> DirectionAgreement:
     """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
 
     ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are made.
-    bandwidth : of the kernel estimates, rad.
     """
-    measured = kernel_modes(path, bandwidth)
+    measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
-    predicted = kernel_modes(ensemble.paths.ravel()[::stride], bandwidth)
-    simulated, matches = [kernel_modes(one, bandwidth) for one in null] if zones else [], []
+    predicted = kernel_modes(ensemble.paths.ravel()[::stride])
+    simulated, matches = [kernel_modes(one) for one in null] if zones else [], []
     for zone in zones:
         mode = _nearest(zone.centre, predicted)
         seen = None if mode is None else _nearest(mode, measured)

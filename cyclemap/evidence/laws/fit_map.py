@@ -129,11 +129,20 @@ def fit_worn_law(
     if np.ptp(cycles) == 0.0:
         raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
-    orders = (_candidates("harmonics", harmonics, max_harmonics), _candidates("degree", degree, max_degree))
-    polynomials = _polynomials(cycles, first, last, max(orders[1]))
-    weight = np.ones(values.size)
+    waves, powers = _candidates("harmonics", harmonics, max_harmonics), _candidates("degree", degree, max_degree)
+    polynomials = _polynomials(cycles, first, last, max(powers))
+    weight, table, order, power = np.ones(values.size), None, waves[0], powers[0]
     for _ in range(1 if noise_harmonics == 0 else 2):
-        table, order, power = _chosen(angles, values, polynomials, orders, weight, seed)
+        if len(waves) > 1 or len(powers) > 1:
+            # Each degree with all orders, which are nested, by what is left out of the folds.
+            fold, errors = cycle_folds(values.size, seed), []
+            sizes = [(2 * np.array(waves) + 1) * (one + 1) for one in powers]
+            for one, size in zip(powers, sizes, strict=True):
+                design = _worn_columns(angles, polynomials[:, : one + 1], max(waves))
+                errors.append(nested_errors(design, values, size, fold, weight))
+            chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
+            table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
+            order, power = waves[chosen % len(waves)], powers[chosen // len(waves)]
         design = _worn_columns(angles, polynomials[:, : power + 1], order)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
@@ -162,23 +171,6 @@ def _worn_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
     """Each Fourier column times each polynomial, the polynomials innermost: orders are nested for one degree."""
     columns = fourier_columns(angles, harmonics)
     return (columns[:, :, np.newaxis] * polynomials[:, np.newaxis, :]).reshape(angles.size, -1)
-
-
-def _chosen(
-    angles: Array, values: Array, polynomials: Array, orders: tuple[list[int], list[int]], weight: Array, seed: int
-) -> tuple[Array | None, int, int]:
-    """The table of cross-validated RMSE (None where nothing is open), the order and the degree."""
-    waves, powers = orders
-    if len(waves) == len(powers) == 1:
-        return None, waves[0], powers[0]
-    fold, errors, sizes = cycle_folds(values.size, seed), [], []
-    for power in powers:
-        sizes.append((2 * np.array(waves) + 1) * (power + 1))
-        design = _worn_columns(angles, polynomials[:, : power + 1], max(waves))
-        errors.append(nested_errors(design, values, sizes[-1], fold, weight))
-    chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
-    table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
-    return table, waves[chosen % len(waves)], powers[chosen // len(waves)]
 
 
 @dataclass(frozen=True, eq=False)
