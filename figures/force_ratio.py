@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_ratio_block import SLIDING, STICKING, SlidingForces, sliding_forces
+from cyclemap.evidence.data_blocks.force_blocks import SLIDING, STICKING, SlidingForces, sliding_forces
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord

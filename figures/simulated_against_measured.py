@@ -15,7 +15,7 @@ from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.published_statistics import published_statistics
-from cyclemap.evidence.pushes.theta0_statistics import MeasuredOverlay, measured_overlay
+from cyclemap.evidence.pushes.theta0_pairs import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint
 from cyclemap.views.style import (

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array, shorter_way
-from cyclemap.evidence.pushes.theta0_statistics import angle_histogram
+from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
 from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
 
 from .catalogue import MeasuredFolder, PaperFigure

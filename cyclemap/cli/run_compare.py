@@ -14,7 +14,7 @@ from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
-from cyclemap.evidence.orientations.goodness_of_fit import PValue
+from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
 

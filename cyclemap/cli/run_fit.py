@@ -13,7 +13,7 @@ from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish, publish_json
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
-from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
 from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set

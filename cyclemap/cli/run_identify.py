@@ -18,12 +18,17 @@ from cyclemap.collection.setting_table import NOISE_KEY
 from cyclemap.collection.settings import with_material
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
-from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.data_block import usual_beliefs
-from cyclemap.evidence.identification.identify import Estimate, Identification, identify
+from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
 from cyclemap.evidence.identification.surface_parameters import starting_space
-from cyclemap.evidence.identified_curves import Derived, derived_quantities, identified_curves
-from cyclemap.evidence.identified_material import identified_material, readable_kind, readable_unit
+from cyclemap.evidence.identified_material import (
+    Derived,
+    derived_quantities,
+    identified_curves,
+    identified_material,
+    readable_kind,
+    readable_unit,
+)
 from cyclemap.mechanics import EllipseFriction, Material, load_material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.plain_text import plain_number

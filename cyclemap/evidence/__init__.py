@@ -32,7 +32,7 @@ Comparing
 ---------
 compare, Comparison, Verdict : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
-published_comparison, comparison_table : beside what is published of MIT's pushes
+published_comparison : beside what is published of MIT's pushes
 collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence.comparison.compare import Comparison, compare
     from cyclemap.evidence.comparison.verdicts import Verdict
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
-    from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
         friction_ellipse_from_scans,
@@ -61,20 +60,32 @@ if TYPE_CHECKING:
         read_wrench_twists,
         wrench_twist_block,
     )
-    from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+    from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
     from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
     from cyclemap.evidence.identification.identify import Identification, identify
     from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace, SurfaceParameters
     from cyclemap.evidence.identified_material import identified_material
-    from cyclemap.evidence.laws.fit_map import FittedMap, MeasuredStaircase, fit_map, measured_staircase
+    from cyclemap.evidence.laws.fit_map import (
+        FittedMap,
+        MeasuredStaircase,
+        WornLaw,
+        fit_map,
+        fit_worn_law,
+        measured_staircase,
+    )
     from cyclemap.evidence.laws.linear_fit import OrderScores
     from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
-    from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
-    from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
+    from cyclemap.evidence.orientations.circular_distance import (
+        CircularLaw,
+        PValue,
+        circular_wasserstein,
+        kernel_modes,
+        kuiper_statistic,
+        total_variation,
+        watson_statistic,
+    )
     from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-    from cyclemap.evidence.orientations.goodness_of_fit import PValue, kuiper_statistic, watson_statistic
-    from cyclemap.evidence.orientations.kernel_modes import kernel_modes
-    from cyclemap.evidence.published_comparison import comparison_table, published_comparison
+    from cyclemap.evidence.published_statistics import published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import (
@@ -85,14 +96,15 @@ if TYPE_CHECKING:
     )
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
-    from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-    from cyclemap.evidence.pushes.theta0_statistics import (
+    from cyclemap.evidence.pushes.theta0_pairs import (
         AngleHistogram,
         MapAgreement,
         MeasuredOverlay,
+        Theta0Pairs,
         TurnBins,
         angle_histogram,
         measured_overlay,
+        read_theta0_pairs,
         turn_bins,
     )
     from cyclemap.evidence.recorded_push import RecordingNoise
@@ -109,20 +121,18 @@ __all__ = ["Comparison", "Verdict", "compare"]
 __all__ += ["CyclePairBlock", "WrenchTwists", "collected_blocks", "drag_turn_block", "friction_ellipse_from_scans"]
 __all__ += ["friction_scan_block", "push_end_block", "read_wrench_twists", "wrench_twist_block"]
 __all__ += ["DataBlock", "FunctionBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
-__all__ += ["identify"]
-__all__ += ["identified_material"]
+__all__ += ["identified_material", "identify"]
 __all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "OrderScores", "PeriodicLaw", "WornLaw", "fit_map"]
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
 __all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
-__all__ += ["comparison_table", "published_comparison"]
+__all__ += ["published_comparison"]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
 __all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]
 __all__ += ["contact_force_ratio", "load_pushes", "measured_overlay", "read_measured_drags", "read_measured_pushes"]
 __all__ += ["read_push_file", "read_theta0_pairs", "turn_bins"]
-__all__ += ["RecordingNoise"]
 __all__ += ["Replay", "ReplayedPushes", "dataset_sliders", "replay_push", "replay_pushes"]
-__all__ += ["SimulatedCollection", "simulate_collection"]
+__all__ += ["RecordingNoise", "SimulatedCollection", "simulate_collection"]
 __all__ += ["MeasuredCycleMap", "PushSet", "PushStatistics", "SetFit", "SetLaws", "TurnHistogram", "fit_set"]
 __all__ += ["measured_cycle_map", "push_sets", "push_statistics", "set_laws", "turn_histogram"]

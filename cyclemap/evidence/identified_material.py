@@ -1,24 +1,224 @@
-"""An identification as a material: friction, what was found with it, wear, and words on data and misfit."""
+"""What follows from an identification: axes and directions with intervals, what is drawn, and a material."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, fields, replace
 
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import PRIOR_KIND
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces
+from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, StrokeBlock
+from cyclemap.evidence.identification.data_block import PRIOR_KIND, PlateBlock
 from cyclemap.evidence.identification.identify import Estimate, Identification, plate_shares
-from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.identified_curves import sampled_values, worn_friction_of
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction, FoundWith, FrameShift, Material, MaterialPosterior, PlatePressure, Wear
 
+DRAWS = 2000
+# A direction whose draws spread over more than this share of their circle is not known.
+_ALL_AROUND = 0.9
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
+_BAND_DRAWS = 200
 POSTERIOR_SAMPLES = 200
 # Keys of a material file, what they are here, and the factor to their unit.
 _FOUND_UNITS = {"pusher_mu": ("pusher_friction", 1.0), "pin_friction_mm": ("pin_friction_radius", 1e3)}
 # Units as people read them, and the factor from SI.
 _READABLE = {"rad": ("°", 57.29577951308232), "m": (" mm", 1e3), "1": ("", 1.0)}
+
+
+@dataclass(frozen=True)
+class Derived:
+    """One quantity: its value and interval. unit : `1` or `rad`; angles are on the lift nearest to the value.
+
+    known : whether the data tell it; a direction that may be any is not.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    known: bool = True
+
+
+def _offset(law: EllipseFriction) -> tuple[float, float]:
+    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
+    mean = math.sqrt(law.mu_a * law.mu_b)
+    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
+
+
+# Names, what they are, of which parameters (by their beginning), period of an angle, least value, and law of them.
+_QUANTITIES: tuple[tuple[str, str, str, float, float, Callable[[EllipseFriction], float]], ...] = (
+    ("axis_ratio", "longer over shorter axis of the friction ellipse", "ellipticity", 0.0, 1.0,
+     lambda law: law.mu_a / law.mu_b),
+    ("axis_direction", "direction of the longer axis", "ellipticity", math.pi, 0.0, lambda law: law.phi),
+    ("offset_size", "distance of the ellipse's centre from zero, over its mean radius", "offset", 0.0, 0.0,
+     lambda law: _offset(law)[0]),
+    ("offset_direction", "direction of the ellipse's centre", "offset", 2.0 * math.pi, 0.0,
+     lambda law: _offset(law)[1]),
+    ("mean_friction", "mean friction coefficient", "friction_scale", 0.0, 0.0,
+     lambda law: math.sqrt(law.mu_a * law.mu_b)),
+)  # fmt: skip
+
+
+def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[dict[str, float], ...]:
+    """Return values of all parameters drawn from the uncertainty of an identification, each a possible truth.
+
+    Parameters are normal with the fit's covariance, each spread so that its interval is Student's, and cut at their
+    bounds; what the data leave wholly open stays at its value. Draws that are no friction ellipse are left out.
+    """
+    whole_number("draws", count, least=1)
+    errors, space = found.uncertainty, found.problem.space
+    spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
+    spread /= student_quantile(found.level, 1e9)
+    size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
+    squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
+    root = vectors * np.sqrt(np.maximum(squares, 0.0))
+    draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
+    drawn = []
+    for vector in np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper):
+        values = found.problem.values(vector)
+        with suppress(InvalidInput):
+            SurfaceParameters.from_values(values).to_friction()
+            drawn.append(values)
+    return tuple(drawn)
+
+
+def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:
+    """Return axis ratio, directions and sizes of the friction ellipse as far as their parameters are free.
+
+    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity, offset) may be zero
+    by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end: drawn
+    vectors never are zero.
+    """
+    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, draws, seed)]
+    free, best, told = found.problem.space.names, found.friction(), []
+    ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
+    for name, description, of, period, least, quantity in _QUANTITIES:
+        parts = [one for one in SURFACE.names if one.startswith(of)]
+        if not {*free} >= {*parts} or not laws:
+            continue
+        value, sample = quantity(best), np.array([quantity(law) for law in laws])
+        vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
+        if period:
+            around = value + (sample - value + 0.5 * period) % period - 0.5 * period
+            lower, upper = np.quantile(around, ends).tolist()
+            known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
+            told.append(Derived(name, description, "rad", value, lower, upper, known))
+        else:
+            lower, upper = np.quantile(sample, ends).tolist()
+            lower = least if vanishes else min(lower, value)
+            told.append(Derived(name, description, "1", value, lower, max(upper, value)))
+    return tuple(told)
+
+
+def _may_vanish(found: Identification, index: list[int]) -> bool:
+    """Whether the vector of two parameters is within its error of zero: T^2 against F(2, freedom)."""
+    from scipy.stats import f
+
+    vector, errors = found.fit.vector[index], found.uncertainty
+    covariance = errors.covariance[np.ix_(index, index)]
+    if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
+        return True
+    size = float(vector @ np.linalg.solve(covariance, vector)) / 2.0
+    return bool(size < f.ppf(found.level, 2, float(np.min(errors.freedom[index]))))
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeFit:
+    """Turns of strokes of one block: measured and predicted (n,), rad.
+
+    errors : of the places where pushes ended, predicted less measured, (n, 2), m; None of drags.
+    """
+
+    name: str
+    measured: Array
+    predicted: Array
+    errors: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class CycleFit:
+    """Cycles: orientation and turn measured (n,), rad; the fitted map's turn (k,) over `grid` (k,).
+
+    late : (k,) the same at the end of the data where the surface wears, else None.
+    """
+
+    name: str
+    theta: Array
+    turn: Array
+    grid: Array
+    fitted: Array
+    late: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class IdentifiedCurves:
+    """Friction in units of a traction coefficient: the ellipse (m, 2), its worn state, sampled ones (d, m, 2).
+
+    worn : None where nothing wears. forces : (s, 2) measured by scans, None without. sized : whether the data tell the
+    size of the ellipse, and not its shape alone.
+    """
+
+    ellipse: Array
+    worn: Array | None
+    samples: Array
+    forces: Array | None
+    sized: bool
+    strokes: tuple[StrokeFit, ...]
+    cycles: tuple[CycleFit, ...]
+
+
+def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
+    """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
+    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
+    worn = worn_friction_of(found.values)
+    strokes, cycles = [], []
+    for number, block in enumerate(found.problem.blocks):
+        errors = found.fit.residuals[found.problem.block_index == number]
+        plain = block.block if isinstance(block, PlateBlock) else block
+        if isinstance(plain, StrokeBlock):
+            measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
+            # Each stroke's last row is its turn, those before its place.
+            *place, turn = errors.reshape(measured.size, -1).T
+            strokes.append(StrokeFit(block.name, measured, measured + turn, np.stack(place, -1) if place else None))
+        elif isinstance(plain, CyclePairBlock):
+            values = {name: found.values[own] for name, own in zip(plain.parameters, block.parameters, strict=True)}
+            turns = []
+            for worn_by in (0.0, 1.0) if plain.share is not None else (0.0,):
+                share = None if plain.share is None else np.full(_AROUND.size, worn_by)
+                grid = replace(plain, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=share)
+                turns.append(grid.residuals(values)[0])
+            late = turns[1] if plain.share is not None else None
+            cycles.append(CycleFit(block.name, plain.theta, plain.turn, _AROUND, turns[0], late))
+    return IdentifiedCurves(
+        _outline(found.friction()),
+        None if worn is None else _outline(worn),
+        np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
+        None if scans is None else scans.traction,
+        "friction_scale" in found.problem.space.names,
+        tuple(strokes),
+        tuple(cycles),
+    )
+
+
+def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
+    """Return the friction at the end of data that were let wear, by the values of all parameters; else None."""
+    worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
+    return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
+
+
+def _outline(law: EllipseFriction) -> Array:
+    """Traction (m, 2) over all directions of sliding, world axes."""
+    return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
 
 
 def identified_material(

@@ -130,10 +130,7 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
 
 
 def _states(push: PushResult, distance: float, travel: Array) -> Array:
-    """At travels (n,) of the rod, m: the object's x, y, theta; the force on it and the contact from the rod's centre.
-
-    In the frame of the mechanics, (n, 7); no force where the rod does not touch.
-    """
+    """Pose of the object, force on it, contact from the rod's centre at travels (n,), m: (n, 7), zero where apart."""
     from scipy.interpolate import CubicSpline
 
     if push.travel > distance * (1.0 + 1e-9):

@@ -15,7 +15,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import LawBand
-from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs, is_covered
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
 from cyclemap.evidence.tables.measured_cycle_map import (
     FEWEST_FOR_WEAR,
     MapState,

@@ -14,8 +14,15 @@ from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.identification.identify import Estimate, Identification
-from cyclemap.evidence.identified_curves import CycleFit, Derived, IdentifiedCurves, StrokeFit
-from cyclemap.evidence.identified_material import misfit_words, readable_kind, readable_unit
+from cyclemap.evidence.identified_material import (
+    CycleFit,
+    Derived,
+    IdentifiedCurves,
+    StrokeFit,
+    misfit_words,
+    readable_kind,
+    readable_unit,
+)
 from cyclemap.views import style
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET

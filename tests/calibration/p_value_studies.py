@@ -7,8 +7,7 @@ import numpy as np
 
 from cyclemap.evidence.comparison.cycle_agreement import direction_agreement, map_misfit, simulated_quantity
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
-from cyclemap.evidence.laws.fit_map import fit_map, map_of_turn
-from cyclemap.evidence.laws.wear import fit_worn_law
+from cyclemap.evidence.laws.fit_map import fit_map, fit_worn_law, map_of_turn
 from cyclemap.evidence.orientations.collection_null import (
     CollectionModel,
     collection_p_values,

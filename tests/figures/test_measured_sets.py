@@ -8,13 +8,8 @@ from figure_cases import RECORDED_ABS, RECORDED_PLYWOOD, recorded_folder, record
 from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import simulate_collection
-<<<<<<< HEAD
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.measured_sets import measured_run, measured_scans, measured_theta0, not_found
-=======
-from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.measured_sets import measured_run, measured_theta0
->>>>>>> te1
 from cyclemap.mechanics import SidePush
 
 

@@ -5,11 +5,7 @@ import pytest
 from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
 
 from cyclemap.figures import table_deviations, table_law_errors
-<<<<<<< HEAD
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-=======
-from cyclemap.figures.measured_folder import NO_DATA
->>>>>>> te1
+from cyclemap.figures.catalogue import NO_DATA
 from cyclemap.figures.simulated_collections import sampled_run
 from cyclemap.figures.table_law_errors import simulated_laws
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from cyclemap.collection import Anisotropy, CollectionLoop
 from cyclemap.evidence import read_theta0_pairs
-from cyclemap.evidence.data_blocks.cycle_pair_block import interpolation
+from cyclemap.evidence.data_blocks.stroke_block import interpolation
 from cyclemap.mechanics import (
     CycleNoise,
     EllipseFriction,

@@ -17,17 +17,19 @@ import numpy as np
 from cyclemap.cli.output import progress_bar
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import FunctionBlock, SurfaceParameters, identified_material, identify
-from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, cycles_by_unknowns, interpolation
+from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, cycles_by_unknowns, interpolation
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.evidence.published_comparison import (
+from cyclemap.evidence.published_statistics import (
     CYCLE_NOISE,
     NODES,
-    comparison_table,
+    PUBLISHED_CYCLES,
+    SOURCE,
+    PublishedStatistics,
     predicted_statistics,
     published_comparison,
+    published_statistics,
 )
-from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES, SOURCE, PublishedStatistics, published_statistics
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 from cyclemap.mechanics.material_text import material_toml
@@ -140,4 +142,5 @@ if __name__ == "__main__":
     materials = [inferred(name) for name in wanted]
     for material in materials:
         write_whole(Path("out", f"{material.name}.toml"), material_toml(material).encode())
-    print(comparison_table(published_comparison(material) for material in ["plywood", *materials]))
+    for one in ["plywood", *materials]:
+        print(published_comparison(one).sentence)

@@ -7,10 +7,9 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import SurfaceParameters, identify
-from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
+from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.evidence.published_comparison import node_values, predicted_statistics
-from cyclemap.evidence.published_statistics import published_statistics
+from cyclemap.evidence.published_statistics import node_values, predicted_statistics, published_statistics
 from tests.inference.published_materials import TOLERANCES, statistics_block
 
 LOOP, NODES, CYCLES = CollectionLoop.mit(), 11, 100

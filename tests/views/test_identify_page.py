@@ -20,7 +20,7 @@ from cyclemap.evidence import (
 from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces
 from cyclemap.evidence.identification.data_block import FunctionBlock, PlateBlock, Values
 from cyclemap.evidence.identification.surface_parameters import Parameter
-from cyclemap.evidence.identified_curves import Derived, IdentifiedCurves, derived_quantities, identified_curves
+from cyclemap.evidence.identified_material import Derived, IdentifiedCurves, derived_quantities, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_page as sentences
 from cyclemap.views.identify_page import identify_page

@@ -17,13 +17,16 @@ from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, 
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+from cyclemap.evidence.orientations.circular_distance import (
+    PValue,
+    kernel_modes,
+    monte_carlo_p_value,
+)
 from cyclemap.evidence.orientations.collection_null import Ensemble
-from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
-from cyclemap.evidence.orientations.kernel_modes import DEFAULT_BANDWIDTH, kernel_modes
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.pushes.theta0_statistics import (
+from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
     MapAgreement,
+    Theta0Pairs,
     TurnBins,
     angle_histogram,
     turn_bins,
@@ -192,21 +195,16 @@ class DirectionAgreement:
 
 
 def direction_agreement(
-    path: Array,
-    zones: tuple[SlowZone, ...],
-    ensemble: Ensemble,
-    null: Array,
-    bandwidth: float = DEFAULT_BANDWIDTH,
+    path: Array, zones: tuple[SlowZone, ...], ensemble: Ensemble, null: Array
 ) -> DirectionAgreement:
     """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
 
     ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are made.
-    bandwidth : of the kernel estimates, rad.
     """
-    measured = kernel_modes(path, bandwidth)
+    measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
-    predicted = kernel_modes(ensemble.paths.ravel()[::stride], bandwidth)
-    simulated, matches = [kernel_modes(one, bandwidth) for one in null] if zones else [], []
+    predicted = kernel_modes(ensemble.paths.ravel()[::stride])
+    simulated, matches = [kernel_modes(one) for one in null] if zones else [], []
     for zone in zones:
         mode = _nearest(zone.centre, predicted)
         seen = None if mode is None else _nearest(mode, measured)

@@ -14,9 +14,8 @@ from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.settings import sampled_loop
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.laws.fit_map import FittedMap
+from cyclemap.evidence.laws.fit_map import FittedMap, fit_worn_law
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-from cyclemap.evidence.laws.wear import fit_worn_law
 from cyclemap.evidence.orientations.collection_null import CollectionModel, CollectionRefit
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
@@ -179,7 +178,11 @@ def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> Coll
         chosen = {**orders(given.wear.whole), "harmonics": given.wear.harmonics, "degree": given.wear.degree}
         return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, **chosen))
 
-    if not _alike(_coefficients(given), _coefficients(fit(pairs, cycle))):
+    same = fit(pairs, cycle)
+    both = [(given.law.coefficients, same.law.coefficients)]
+    if given.wear is not None and same.wear is not None:
+        both.append((given.wear.coefficients, same.wear.coefficients))
+    if not all(a.shape == b.shape and np.allclose(a, b, rtol=SAME_FIT, atol=SAME_FIT) for a, b in both):
         return None
 
     def refitted(path: Array) -> CollectionModel:
@@ -193,15 +196,6 @@ def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> Coll
         return CollectionModel(drifting, _scatter(wear.sigma), first)
 
     return refitted
-
-
-def _coefficients(fitted: FittedMap) -> list[Array]:
-    return [fitted.law.coefficients] + ([] if fitted.wear is None else [fitted.wear.coefficients])
-
-
-def _alike(first: list[Array], other: list[Array]) -> bool:
-    shapes = [one.shape for one in first] == [one.shape for one in other]
-    return shapes and all(np.allclose(*both, rtol=SAME_FIT, atol=SAME_FIT) for both in zip(first, other, strict=True))
 
 
 def _scatter(sigma: float) -> WrappedNormal:

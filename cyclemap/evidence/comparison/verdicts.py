@@ -16,7 +16,7 @@ from cyclemap.evidence.comparison.cycle_agreement import (
     StaircaseAgreement,
 )
 from cyclemap.evidence.comparison.push_agreement import Distances, QuantityAgreement
-from cyclemap.evidence.orientations.goodness_of_fit import PValue
+from cyclemap.evidence.orientations.circular_distance import PValue
 
 # A prediction is rejected below this p-value.
 LEVEL = 0.05

@@ -6,7 +6,7 @@ import math
 import os
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,18 +14,18 @@ import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
     ScanForces,
+    force_ratio_block,
     friction_scan_block,
     read_wrench_twists,
+    sliding_forces,
     wrench_twist_block,
 )
-from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
-from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.pushes.measured_strokes import (
     CsvSelection,
@@ -45,8 +45,11 @@ if TYPE_CHECKING:
 PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = "push ends", "drag-backs", "wrenches", "cycles", "records"
 
 _START, _END = ({"x0", "y0", "th0"}, {"x1", "y1", "th1"})
-_TIP = {"tip_x0", "tip_y0", "tip_x1", "tip_y1"}
-_RESET = {"x0n", "y0n", "th0n"}
+_COLUMNS = {
+    PUSH_ENDS: _START | _END | {"tip_x0", "tip_y0", "tip_x1", "tip_y1"},
+    DRAG_BACKS: _END | {"x0n", "y0n", "th0n"},
+    WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS},
+}
 _ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses and tip "
@@ -64,65 +67,44 @@ _STRAIGHT = 2e-3
 _FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
 
 
-@dataclass(frozen=True)
-class DataFile:
-    """A CSV file, or a file or folder of the MIT layout, and the sort of data it holds."""
+def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[UnreadableFile]]:
+    """Return the files that a file, folder or tree holds, each with its sort of data, and those of unknown kind.
 
-    path: Path
-    sort: str
-
-
-def recognise(path: str | Path) -> tuple[list[DataFile], list[UnreadableFile]]:
-    """Return what a file, folder or tree holds; a file may hold two sorts, files of no known kind are passed over.
-
-    Raises InvalidInput where there is nothing at `path`.
+    A CSV file may hold two sorts; a folder of the MIT layout counts as one file; files of other kinds in a folder are
+    passed over. Raises InvalidInput where there is nothing at `path`.
     """
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    found: list[DataFile] = []
+    found: list[tuple[Path, str]] = []
     unused: list[UnreadableFile] = []
     files = [place]
     if place.is_dir():
         below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
-        found += [DataFile(place, RECORDS)] if any(file.suffix.lower() in SUFFIXES for file in below) else []
+        found += [(place, RECORDS)] if any(file.suffix.lower() in SUFFIXES for file in below) else []
         files = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
     for file in files:
         if file.suffix.lower() in SUFFIXES:
-            found.append(DataFile(file, RECORDS))
-        elif file.suffix.lower() != CSV_SUFFIX:
+            found.append((file, RECORDS))
+            continue
+        if file.suffix.lower() != CSV_SUFFIX:
             unused.append(UnreadableFile(file, f"a file of another kind ({file.suffix or 'no suffix'})"))
-        else:
-            try:
-                header = read_csv_table(file).header
-            except DataFileError as error:
-                unused.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
-                continue
-            sorts = csv_sorts(header)
-            found += [DataFile(file, sort) for sort in sorts]
-            if not sorts:
-                unused.append(UnreadableFile(file, f"a CSV table of unknown columns ({', '.join(header[:8])})"))
+            continue
+        try:
+            header = read_csv_table(file).header
+        except DataFileError as error:
+            unused.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
+            continue
+        columns = set(header)
+        sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
+        if any(columns >= names for names in _ORIENTATIONS) or (not sorts and columns >= _START | _END):
+            sorts.append(CYCLES)
+        found += [(file, sort) for sort in sorts]
+        if not sorts:
+            unused.append(UnreadableFile(file, f"a CSV table of unknown columns ({', '.join(header[:8])})"))
     if not found and not unused:
         unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
     return found, unused
-
-
-def csv_sorts(header: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the sorts of data that a CSV header announces.
-
-    >>> csv_sorts(("surface", "x1", "y1", "th1", "x0n", "y0n", "th0n"))
-    ('drag-backs',)
-    """
-    columns, sorts = set(header), []
-    if columns >= _START | _END | _TIP:
-        sorts.append(PUSH_ENDS)
-    if columns >= _END | _RESET:
-        sorts.append(DRAG_BACKS)
-    if columns >= {*WRENCH_COLUMNS, *TWIST_COLUMNS}:
-        sorts.append(WRENCHES)
-    if any(columns >= names for names in _ORIENTATIONS) or (not sorts and columns >= _START | _END):
-        sorts.append(CYCLES)
-    return tuple(sorts)
 
 
 class BlockBuilder:

@@ -16,13 +16,11 @@ from cyclemap.evidence.data_blocks.block_builders import (
     LAYOUTS,
     RECORDS,
     BlockBuilder,
-    DataFile,
     loop_of_plate,
     recognise,
 )
-from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET
+from cyclemap.evidence.data_blocks.stroke_block import NODES, TIP_OFFSET
 from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
@@ -91,8 +89,8 @@ def collected_blocks(
     files = list(dict.fromkeys(file for known, _ in found for file in known))
     unused = list(dict.fromkeys(file for _, others in found for file in others))
     surfaces, shapes = set[str](), set[str]()
-    for number, file in enumerate(files):
-        on, of = _add(builder, file, selection, part_of(progress, number, len(files)))
+    for number, (path, sort) in enumerate(files):
+        on, of = _add(builder, path, sort, selection, part_of(progress, number, len(files)))
         surfaces, shapes = surfaces | on, shapes | of
     if len(surfaces) > 1:
         raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
@@ -112,29 +110,29 @@ def collected_blocks(
 
 
 def _add(
-    builder: BlockBuilder, file: DataFile, selection: RowSelection, progress: Progress
+    builder: BlockBuilder, path: Path, sort: str, selection: RowSelection, progress: Progress
 ) -> tuple[frozenset[str], frozenset[str]]:
     """Add a file's blocks and notes to what is built; return the surfaces and the objects that it tells of."""
-    builder.path = file.path
-    if file.sort not in (RECORDS, CYCLES):
-        rows = select_csv(file.path, selection)
+    builder.path = path
+    if sort not in (RECORDS, CYCLES):
+        rows = select_csv(path, selection)
         builder.leave_out(rows.left_out)
         if len(rows.surfaces) > 1:
             return rows.surfaces, rows.objects
         for plate in sorted(rows.objects) or [builder.given.slider.name]:
-            chosen = rows if len(rows.objects) < 2 else select_csv(file.path, replace(selection, objects=(plate,)))
+            chosen = rows if len(rows.objects) < 2 else select_csv(path, replace(selection, objects=(plate,)))
             if chosen.texts:
                 builder.turn_to(plate)
-                builder.add_csv(file.sort, chosen)
+                builder.add_csv(sort, chosen)
         return rows.surfaces, rows.objects
-    pushes, left_out = select_pushes(file.path, selection, file.sort == CYCLES, part_of(progress, 0, 2))
+    pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
     builder.leave_out(left_out)
     surfaces, objects = (told(pushes.table, name) | told(pushes.scans, name) for name in ("surface", "object"))
     plates = [] if len(surfaces) > 1 else sorted(objects) or [builder.given.slider.name]
     for number, plate in enumerate(plates):
         own = pushes if len(plates) < 2 else pushes_of(pushes, plate)
         builder.turn_to(plate)
-        if file.sort == CYCLES:
+        if sort == CYCLES:
             builder.add_cycles(own)
         else:
             builder.add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))

@@ -12,11 +12,13 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
-from cyclemap.evidence.orientations.goodness_of_fit import (
+from cyclemap.evidence.orientations.circular_distance import (
+    CircularLaw,
     PValue,
+    circular_wasserstein,
     kuiper_statistic,
     monte_carlo_p_value,
+    total_variation,
     watson_statistic,
 )
 from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases

@@ -76,10 +76,7 @@ def contact_samples(push: PushRecord, outline: Array, rod_radius: float = MIT_RO
 def _contact_frame(
     push: PushRecord, outline: Array, rod_radius: float
 ) -> tuple[Array, Array, NDArray[np.bool_], tuple[Array, Array, Array]]:
-    """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame.
-
-    The outline is convex, its corners counter-clockwise.
-    """
+    """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame."""
     time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
     angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
     rod, c, s = _places(push.tip_pose, time) - _places(push.object_pose, time), np.cos(angle), np.sin(angle)
@@ -91,6 +88,7 @@ def _contact_frame(
         normal = offset / distance[:, None]
     tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
     pressing, tangential = np.sum(force * normal, axis=1), np.sum(force * tangent, axis=1)
+    # The outline is convex, its corners counter-clockwise.
     edge, away = np.diff(outline, axis=0), rod[:, None] - outline[:-1]
     inside = np.all(edge[:, 0] * away[..., 1] - edge[:, 1] * away[..., 0] > 0.0, axis=1)
     near = ~inside & (np.abs(distance - rod_radius) <= CONTACT_SLACK)

@@ -15,8 +15,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, angle_histogram, is_covered
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, Theta0Pairs, angle_histogram, is_covered
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 
@@ -257,7 +256,12 @@ def _map_state(
     orbits = {_nearest(orbit.points[0]): orbit for orbit in fixed_points(frozen)}
     sure: list[Orbit] = []
     undecided: list[TurnPlace] = []
-    for run in _circular_runs(seen & (sign == 0.0)):
+    # The longest runs of neighbours that are open, the last place beside the first; all in one where all are.
+    held = seen & (sign == 0.0)
+    first = int(np.argmin(held))
+    edges = np.flatnonzero(np.diff(np.roll(held, -first).astype(np.int8), prepend=0, append=0)) + first
+    for low, high in edges.reshape(-1, 2).tolist():
+        run = [k % _GRID for k in range(low, high)]
         if sign[run[0] - 1] * sign[(run[-1] + 1) % _GRID] < 0.0:
             sure += [orbits[k] for k in run if k in orbits]
         else:
@@ -278,19 +282,8 @@ def _least(values: Array, places: NDArray[np.int64]) -> int:
     return int(least[least.size // 2])
 
 
-def _circular_runs(held: NDArray[np.bool_]) -> list[list[int]]:
-    """The longest runs of neighbours that hold, the last beside the first; all places in one where all hold."""
-    first = int(np.argmin(held))
-    edges = np.flatnonzero(np.diff(np.roll(held, -first).astype(np.int8), prepend=0, append=0)) + first
-    return [[k % held.size for k in range(low, high)] for low, high in edges.reshape(-1, 2).tolist()]
-
-
 def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) -> FittedMap:
-    """With numbered cycles the law may wear; paths without wear are paths of a law of degree 0.
-
-    Whether it wears is left to the cautious rule of ``fit_worn_law``; how, to the least error in cycles left out: the
-    cautious rule's degree depends on how the folds are dealt, and the turns foretold depend on the degree.
-    """
+    """With numbered cycles the law may wear; paths without wear are paths of a law of degree 0."""
     options: dict[str, Any] = {"harmonics": harmonics, "noise_harmonics": None, "seed": seed}
     if pairs.cycle is None or np.ptp(pairs.cycle) == 0.0:
         return fit_map(pairs.theta, pairs.theta_next, **options)
@@ -300,6 +293,8 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
     worn = fitted.wear
     if worn is None or worn.degree == 0 or worn.rmse_by_order is None:
         return fitted
+    # Whether it wears the cautious rule of `fit_worn_law` says; how, the least error in cycles left out: the cautious
+    # degree depends on how the folds are dealt, and the turns foretold depend on the degree.
     best = int(np.argmin(np.min(worn.rmse_by_order, axis=1)))
     same = best in (0, worn.degree)
     return fitted if same else fit_map(pairs.theta, pairs.theta_next, wear_degree=best, **options)

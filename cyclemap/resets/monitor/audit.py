@@ -11,8 +11,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
-from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
-from cyclemap.evidence.pushes.theta0_statistics import covered_arcs
+from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
 

@@ -6,7 +6,7 @@ import pytest
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import CyclePairBlock, SurfaceParameters
-from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
+from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, loop_on
 
 MIT = CollectionLoop.mit()
 TRUTH = SurfaceParameters(

@@ -6,8 +6,8 @@ from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import FunctionBlock, Parameter, ParameterSpace
-from cyclemap.evidence.identification.cross_validation import cross_validate, kind_errors, random_folds
 from cyclemap.evidence.identification.data_block import JointProblem
+from cyclemap.evidence.identification.identify import cross_validate, kind_errors, random_folds
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 

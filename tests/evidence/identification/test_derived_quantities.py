@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.evidence import Identification, friction_ellipse_from_scans
-from cyclemap.evidence.identified_curves import Derived, derived_quantities, sampled_values
+from cyclemap.evidence.identified_material import Derived, derived_quantities, sampled_values
 from cyclemap.mechanics import EllipseFriction
 
 LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)

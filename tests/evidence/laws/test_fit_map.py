@@ -8,8 +8,7 @@ import pytest
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import Theta0Pairs, measured_staircase, read_theta0_pairs
-from cyclemap.evidence.laws.fit_map import fit_map
-from cyclemap.evidence.laws.wear import fit_worn_law
+from cyclemap.evidence.laws.fit_map import fit_map, fit_worn_law
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,

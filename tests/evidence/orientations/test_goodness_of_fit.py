@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import CircularLaw
-from cyclemap.evidence.orientations.goodness_of_fit import (
+from cyclemap.evidence.orientations.circular_distance import (
+    CircularLaw,
     PValue,
     kuiper_statistic,
     monte_carlo_p_value,

@@ -8,10 +8,15 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence import SurfaceParameters, comparison_table, published_comparison
-from cyclemap.evidence.data_blocks.cycle_pair_block import interpolation, loop_on
-from cyclemap.evidence.published_comparison import CYCLE_NOISE, DIRECTION_TOLERANCE, node_values, predicted_statistics
-from cyclemap.evidence.published_statistics import published_statistics
+from cyclemap.evidence import SurfaceParameters, published_comparison
+from cyclemap.evidence.data_blocks.stroke_block import interpolation, loop_on
+from cyclemap.evidence.published_statistics import (
+    CYCLE_NOISE,
+    DIRECTION_TOLERANCE,
+    node_values,
+    predicted_statistics,
+    published_statistics,
+)
 from cyclemap.mechanics import Material, load_material
 
 NODES, CYCLES = 11, 100
@@ -108,9 +113,3 @@ def test_means_of_the_2000_pushes_are_met_where_pressure_is_free(name, compariso
     found, published = comparisons[name].predicted, comparisons[name].published
     assert np.all(np.abs(found.mean - published.mean) < [np.deg2rad(1.2), 1.5e-3, 3e-3])
     assert np.all(np.abs(np.log(found.std / published.std)) < np.log(1.5))
-
-
-def test_the_table_names_every_material_and_quantity(comparisons):
-    table = comparison_table(comparisons.values())
-    assert all(name in table for name in SHOWN)
-    assert table.count("turn (deg)") == table.count("dx (mm)") == table.count("dy (mm)") == 3

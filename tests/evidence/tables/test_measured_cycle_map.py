@@ -9,8 +9,7 @@ from made_sets import TURN, worn_pairs, worn_turn
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import fit_map
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.evidence.pushes.theta0_statistics import is_covered, turn_bins
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, is_covered, read_theta0_pairs, turn_bins
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, full_turns, measured_cycle_map, turn_pace
 
 
