@@ -70,12 +70,6 @@ def test_an_anisotropy_gives_back_its_ellipse_whatever_its_axes_are_called() -> 
     assert Anisotropy.of_components(Anisotropy.of(given).seen_from(0.0)).friction().phi == pytest.approx(0.7)
 
 
-def test_the_isotropic_turn_is_the_independent_solvers(mit) -> None:
-    """74.52037° of push and -66.51814° of drag, good to 1e-5 degrees."""
-    turns = np.degrees([mit.push.turn, mit.drag.turn, mit.turn])
-    assert turns == pytest.approx([74.52037, -66.51814, 74.52037 - 66.51814], abs=2e-5)
-
-
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_differences_of_whole_cycles_over_sixteen_orientations_have_the_fingerprints_harmonics(name) -> None:
     """The second route: the answer to an offset is a pure first harmonic, to an ellipticity a pure second one."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import portrait, staircase_forecast
-from cyclemap.collection.cycle_scene import cycle_scene, placed
+from cyclemap.collection.cycle_scene import cycle_scene
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
 from cyclemap.errors import InvalidInput
@@ -23,16 +23,6 @@ def sawtooth() -> CircleMap:
         return theta + phase / 2 - 1.0
 
     return CircleMap(lift, lambda theta: np.full_like(theta, 1.5), breaks=(1.0,))
-
-
-def test_statistics_of_the_sine_map_are_its_formula() -> None:
-    turns = turn_statistics(CircleMap.arnold(0.1, 0.6))
-    assert turns.mean == pytest.approx(0.1 * TURN, abs=1e-14)
-    # The nodes are at most a quarter of a degree apart: an extremum is missed by less than 0.6 (0.0022)^2.
-    assert turns.minimum == pytest.approx(0.1 * TURN - 0.6, abs=3e-6)
-    assert turns.maximum == pytest.approx(0.1 * TURN + 0.6, abs=3e-6)
-    assert turns.min_slope == pytest.approx(0.4, abs=3e-6)
-    assert turns.max_slope == pytest.approx(1.6, abs=3e-6)
 
 
 def test_statistics_do_not_smooth_a_jump() -> None:
@@ -91,15 +81,6 @@ def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
     places = [float(orbit.points[0]) for orbit in found.stable_points]
     assert places == [pytest.approx(0.0, abs=1e-9), pytest.approx(np.pi, abs=1e-9)]
     assert found.cycle.theta == places[0]
-
-
-@pytest.mark.slow
-def test_same_seed_same_staircase_and_it_starts_where_told(loop_of) -> None:
-    loop = loop_of(CircleMap.arnold(0.1, 0.5))
-    paths = [portrait(loop, cycles=30, start=2.0, seed=seed).staircase.theta for seed in (3, 3, 4)]
-    assert np.array_equal(paths[0], paths[1])
-    assert not np.array_equal(paths[0], paths[2])
-    assert paths[0][0] == 2.0
 
 
 def test_progress_rises_to_one(loop_of) -> None:
@@ -182,11 +163,6 @@ def test_reach_holds_everything_drawn(real_loop) -> None:
     for points in (stroke.before, stroke.after, stroke.rod, stroke.centre):
         assert (points >= low).all()
         assert (points <= high).all()
-
-
-def test_placed_turns_then_moves() -> None:
-    moved = placed(np.array([1.0, 2.0, np.pi / 2]), np.array([[1.0, 0.0], [0.0, 1.0]]))
-    assert np.allclose(moved, [[1.0, 3.0], [0.0, 2.0]])
 
 
 def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop_of) -> None:

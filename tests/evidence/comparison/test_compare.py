@@ -208,12 +208,3 @@ def test_data_that_cannot_be_read_are_refused(tmp_path) -> None:
     (tmp_path / "bad.json").write_text("{")
     with pytest.raises(InvalidInput, match=r"no push could be read, 1 files are bad; the first: .*bad\.json"):
         compare(SINE, tmp_path, noise=NOISE)
-
-
-def test_measured_plywood_from_500_on_agrees_with_its_own_fit(measured_data) -> None:
-    data = collection_data(measured_data / "plywood_rect1_theta0_2000.csv", None, first=500)
-    assert data.pairs.theta.size == 1497
-    assert data.left_out["jump"] == 3
-    fitted = fit_map(data.pairs.theta, data.pairs.theta_next, cycle=data.cycle, harmonics=9, wear_degree=2)
-    off = data.pairs.turn - as_prediction(fitted, None, 2000).turn(data.pairs.theta, data.cycle)
-    assert np.degrees(np.sqrt(np.mean(off**2))) < 0.85

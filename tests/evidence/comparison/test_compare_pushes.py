@@ -129,19 +129,6 @@ def test_a_length_that_the_data_do_not_tell_must_be_said(loop, written) -> None:
     assert found.quantities[0].rmse < 1e-9
 
 
-@pytest.mark.slow
-def test_measured_50_mm_pushes_are_predicted_50_mm_long(measured_data) -> None:
-    """Of one plate on one floor; at 150 mm the same pushes are 24° and 26 mm off."""
-    loop, file = CollectionLoop.mit("plywood"), measured_data / "mit_push_endpoints_v10.csv"
-    _, found = agreements(file, loop, select={"object": "rect1", "side": 0.0})
-    assert {one.facts["surface"] for one in found} == {"plywood"}
-    assert len(found) > 90
-    assert max(abs(one.length - 0.05) for one in found) < 1e-3
-    turn, dx, dy = pooled_quantities(found)
-    assert np.degrees(turn.rmse) < 7.5
-    assert max(dx.rmse, dy.rmse) < 6e-3
-
-
 def test_the_error_of_a_mean_allows_for_correlation() -> None:
     independent = np.random.default_rng(3).standard_normal(4000)
     assert mean_error(independent) == pytest.approx(1 / np.sqrt(4000), rel=0.25)

@@ -2,10 +2,8 @@
 
 import json
 import os
-from collections import Counter
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, turned, write
@@ -226,32 +224,3 @@ def test_a_closed_folder_is_reported(tmp_path, monkeypatch) -> None:
     assert [(entry.path, entry.reason) for entry in loaded.unreadable] == [
         (closed, "the folder cannot be entered (Permission denied)")
     ]
-
-
-MEASURED = {"butter": 40, "ellip1": 13, "ellip3": 10, "hex": 15, "rect1": 13}
-
-
-def raw_tables(path: Path) -> dict[str, np.ndarray]:
-    if path.suffix == ".json":
-        return {name: np.array(rows) for name, rows in json.loads(path.read_text()).items()}
-    with h5py.File(path) as file:
-        return {name: file[name][()] for name in file}
-
-
-@pytest.mark.slow
-def test_all_measured_files_load_and_agree_with_a_reading_by_homogeneous_matrices(measured_data: Path) -> None:
-    loaded = load_pushes(measured_data / "mit_files")
-    assert loaded.unreadable == () and loaded.scans.empty
-    assert Counter(loaded.table["object"]) == MEASURED and sum(MEASURED.values()) == 91
-    assert Counter(loaded.table["surface"]) == {"abs": 90, "plywood": 1}
-    for row in loaded.table.itertuples():
-        pose = raw_tables(Path(row.path))["object_pose"]
-        first, last = (
-            np.array([[np.cos(a), -np.sin(a), x], [np.sin(a), np.cos(a), y], [0, 0, 1]]) for _, x, y, a in pose[[0, -1]]
-        )
-        moved = np.linalg.solve(first, last)
-        assert (row.dx, row.dy) == pytest.approx((moved[0, 2], moved[1, 2]), abs=1e-12)
-        # No push of 50 mm turns these by half a turn: the matrix knows the whole turn.
-        assert row.dtheta == pytest.approx(np.arctan2(moved[1, 0], moved[0, 0]), abs=1e-9)
-        assert abs(row.dtheta) < 1.0 and row.samples == len(pose)
-        assert f"_v={1000 * row.speed:.0f}_i={row.side:.3f}_s={row.fraction:.3f}_t={row.angle:.3f}." in row.path

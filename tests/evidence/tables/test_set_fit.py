@@ -6,7 +6,6 @@ from made_sets import made_set, noisy_set, true_turn
 from scipy.stats import wasserstein_distance
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import cycle_folds
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.tables.push_sets import push_statistics
 from cyclemap.evidence.tables.set_fit import motion_law, set_laws, turn_histogram
@@ -46,23 +45,6 @@ def test_the_two_tables_add_up_variance_is_that_of_the_law_and_that_about_it(ply
         assert row.std**2 == pytest.approx(of_law + found.law.rmse**2, rel=0.02)
         assert 100 * found.law.total_std / abs(found.law.mean) == pytest.approx(row.percent)
         assert 0.0 < found.explained < 1.0
-
-
-def test_the_histogram_of_simulated_plywood_is_predicted_within_chance(plywood) -> None:
-    found = motion_law("dtheta", plywood[0].theta, plywood[0].dtheta)
-    histogram = turn_histogram(found.theta, found.value, found.law, runs=60)
-    assert histogram.total_variation < histogram.chance_total_variation
-    assert histogram.law_alone_total_variation > histogram.total_variation
-
-
-def test_the_error_in_pushes_left_out_is_that_of_ten_laws_fitted_one_by_one() -> None:
-    pushes, fold, errors = noisy_set(3, 80), cycle_folds(80, 0), np.empty(80)
-    for one in range(10):
-        out = fold == one
-        without = fit_periodic_law(pushes.theta[~out], pushes.dtheta[~out], harmonics=2)
-        errors[out] = pushes.dtheta[out] - without(pushes.theta[out])
-    found = motion_law("dtheta", pushes.theta, pushes.dtheta, harmonics=2)
-    assert found.cross_validated_rmse == pytest.approx(np.sqrt(np.mean(errors**2)), rel=1e-9)
 
 
 def test_a_law_without_noise_explains_all_and_values_that_do_not_depend_on_the_angle_nothing() -> None:
