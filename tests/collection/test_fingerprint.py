@@ -156,23 +156,19 @@ def falling_zeros(turn):
     return (2.0 * np.pi / 2400 * (falls + 0.5)).tolist()
 
 
-def test_an_isotropic_surface_has_no_direction_and_drifts_by_omega(mit) -> None:
+def test_surfaces_without_a_direction_drift_and_one_too_anisotropic_for_a_first_order_law_says_so(mit) -> None:
+    """Isotropic ones by Ω, weak ones slower, slowest where their turn is least."""
     nothing = predict(mit, Anisotropy(0.0, 0.0, 0.0, 0.0))
     assert nothing.directions == () and nothing.verdict == DRIFTS and nothing.trusted
     assert nothing.mean_turn == pytest.approx(mit.turn, abs=1e-12)
     assert nothing.lock_in.scale == np.inf and nothing.lock_in_range == (np.inf, np.inf)
-
-
-def test_a_surface_too_anisotropic_for_a_first_order_law_says_so(mit) -> None:
-    strong = predict(mit, Anisotropy.of(EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)))
-    assert not strong.trusted and strong.verdict == UNDECIDED and strong.ratio > 1.0
-
-
-def test_a_drifting_map_is_slowest_where_its_turn_is_least_and_its_mean_turn_is_less_than_omega(mit) -> None:
     weak = predict(mit, Anisotropy(0.03, 1.0, 0.01, 0.5))
-    assert weak.directions == () and weak.verdict == DRIFTS
-    assert 0.0 < float(weak.turn(weak.slowest)) < weak.mean_turn < mit.turn
-    assert float(weak.turn(weak.slowest)) == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
+    least = float(weak.turn(weak.slowest))
+    assert weak.directions == () and weak.verdict == DRIFTS and 0.0 < least < weak.mean_turn < mit.turn
+    assert least == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
+    strong = predict(mit, EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
+    assert strong.anisotropy == Anisotropy.of(EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
+    assert not strong.trusted and strong.verdict == UNDECIDED and strong.ratio > 1.0
 
 
 def test_fixed_points_appear_exactly_at_the_predicted_scale(mit) -> None:
@@ -237,12 +233,6 @@ RESPONSE = TurnResponse(0.1, [2.0, 0.5, 0.4, 1.0], np.zeros((4, 4)))
 FOUND = Fingerprint(RESPONSE, TurnResponse(0.0, np.zeros(4), np.zeros((4, 4))), 0.0, 0.1)
 
 
-def test_a_friction_is_predicted_as_its_anisotropy(plywood) -> None:
-    by_friction = predict(FOUND, plywood.material.friction)
-    assert by_friction.anisotropy == Anisotropy.of(plywood.material.friction)
-    assert len(by_friction.directions) == 2
-
-
 @pytest.mark.parametrize("surface", [None, "plywood", 0.1, (0.1, 0.0, 0.1, 0.0)])
 def test_other_things_than_a_surface_are_refused_at_once(surface) -> None:
     with pytest.raises(InvalidInput, match=r"must be an Anisotropy or an EllipseFriction.*not "):
@@ -292,20 +282,16 @@ def test_the_first_order_law_may_be_scaled_beyond_any_surface() -> None:
     assert 10.0 < found.lock_in_range[0] < found.lock_in.scale
 
 
-@pytest.mark.parametrize("theta", [math.nan, [0.0, math.inf], "abc"])
-def test_orientations_that_are_no_finite_numbers_are_refused(theta) -> None:
+def test_angles_and_anisotropies_that_are_no_finite_numbers_are_refused() -> None:
     predicted = predict(FOUND, Anisotropy(0.1, 0.0, 0.02, 0.0))
-    laws = (predicted.turn, predicted.second_order_turn, predicted.turn_error, predicted.anisotropy.seen_from)
-    for law in laws:
-        with pytest.raises(InvalidInput, match="theta must"):
-            law(theta)
-
-
-@pytest.mark.parametrize("seen", ["abc", math.nan, [0.1, 0.0, 0.0], [0.1, 0.0, math.nan, 0.0]])
-def test_a_response_takes_finite_anisotropies_of_four_numbers(seen) -> None:
+    for law in (predicted.turn, predicted.second_order_turn, predicted.turn_error, predicted.anisotropy.seen_from):
+        for theta in (math.nan, [0.0, math.inf], "abc"):
+            with pytest.raises(InvalidInput, match="theta must"):
+                law(theta)
     for law in (RESPONSE.first_order, RESPONSE.second_order):
-        with pytest.raises(InvalidInput, match="seen must"):
-            law(seen)
+        for seen in ("abc", math.nan, [0.1, 0.0, 0.0], [0.1, 0.0, math.nan, 0.0]):
+            with pytest.raises(InvalidInput, match="seen must"):
+                law(seen)
     with pytest.raises(InvalidInput, match="shares must"):
         lock_in_boundary(RESPONSE, 0.0, 0.0, "abc")
 

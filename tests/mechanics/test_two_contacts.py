@@ -2,7 +2,6 @@
 
 import math
 from collections import Counter
-from functools import partial
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from two_contact_reference import (
     modes_of_both,
     one_contact,
     unit,
-    wrench_on_points,
 )
 
 from cyclemap.mechanics import (
@@ -28,11 +26,9 @@ from cyclemap.mechanics import (
     QuasiStaticModel,
     SidePush,
     Slider,
-    grid_footprint,
 )
 from cyclemap.mechanics.engine.strokes import MODES
 
-SQUARE = Slider.mit("rect1")
 PLYWOOD, ISOTROPIC = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175), (0.25, 0.25, 0.0, 0.0, 0.0)
 NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03))
 SKEW = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03))
@@ -198,17 +194,3 @@ def test_along_random_pushes_exactly_one_mode_of_the_solver_holds_and_has_the_en
         wrench = LimitSurface(case.model.pressure, case.model.friction).wrench
         seen.update(check_along(push, wrench, rod.radius, rod.friction))
     assert {"stick", "slide_left", "slide_right"} <= set(seen) and min(seen.values()) >= 3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("law", "theta", "distance", "friction"),
-    [(PLYWOOD, math.radians(150.0), 0.15, 0.15), ((0.35, 0.18, 0.05, -0.03, 0.7), -1.0, 0.08, 0.4)],
-    ids=["plywood", "strong"],
-)
-def test_a_square_on_the_papers_points_is_pushed_as_the_point_law_alone_tells(law, theta, distance, friction):
-    footprint, law = grid_footprint(SQUARE.outline, 8), EllipseFriction(*law)
-    model = QuasiStaticModel(SQUARE, law, Pusher(0.00475, friction), footprint)
-    push = model.push(Pose(theta=theta), SidePush(distance=distance))
-    wrench = partial(wrench_on_points, law, np.array(footprint.positions))
-    assert len(check_along(push, wrench, 0.00475, friction)) >= 2
