@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import (
     Anisotropy,
@@ -202,10 +203,8 @@ def test_the_edge_of_lock_in_is_off_by_the_square_of_the_anisotropy_it_takes(ply
 def test_what_has_no_fingerprint_or_no_lock_in_is_refused_by_name(plywood, mit) -> None:
     with pytest.raises(InvalidInput, match=r"way-points of the reset.*fixed in the world.*way_points_mm"):
         fingerprint(CollectionLoop.from_settings({"way_points_mm": [[0.0, 50.0]]}))
-    with pytest.raises(InvalidInput, match=r"gradient of a turn has shape \(3,\)"):
-        TurnResponse(0.0, [1.0, 2.0, 3.0], np.zeros((4, 4)))
-    with pytest.raises(InvalidInput, match="offset must not be negative"):
-        Anisotropy(-0.1, 0.0, 0.0, 0.0)
+    refused(TurnResponse, 0.0, [1.0, 2.0, 3.0], np.zeros((4, 4)), told=r"gradient of a turn has shape \(3,\)")
+    refused(Anisotropy, -0.1, 0.0, 0.0, 0.0, told="offset must not be negative")
     near = first_order_lock_in(mit.cycle, Anisotropy(0.1, 0.0, 0.0, 0.0))
     with pytest.raises(ConvergenceError, match="no lock-in between"):
         full_lock_in(replace(plywood, accuracy=1e-5), Anisotropy(0.01, 0.0, 0.0, 0.0), near)
@@ -235,14 +234,10 @@ FOUND = Fingerprint(RESPONSE, TurnResponse(0.0, np.zeros(4), np.zeros((4, 4))), 
 
 @pytest.mark.parametrize("surface", [None, "plywood", 0.1, (0.1, 0.0, 0.1, 0.0)])
 def test_other_things_than_a_surface_are_refused_at_once(surface) -> None:
-    with pytest.raises(InvalidInput, match=r"must be an Anisotropy or an EllipseFriction.*not "):
-        predict(FOUND, surface)
-    with pytest.raises(InvalidInput, match="friction must be an EllipseFriction"):
-        Anisotropy.of(surface)
-    with pytest.raises(InvalidInput, match="needs a Fingerprint"):
-        predict(surface, Anisotropy(0.1, 0.0, 0.0, 0.0))
-    with pytest.raises(InvalidInput, match="loop must be a CollectionLoop"):
-        fingerprint(surface)
+    refused(predict, FOUND, surface, told=r"must be an Anisotropy or an EllipseFriction.*not ")
+    refused(Anisotropy.of, surface, told="friction must be an EllipseFriction")
+    refused(predict, surface, Anisotropy(0.1, 0.0, 0.0, 0.0), told="needs a Fingerprint")
+    refused(fingerprint, surface, told="loop must be a CollectionLoop")
 
 
 @pytest.mark.parametrize("ellipticity", [0.0, 0.3, MOST_ELLIPTICITY])
@@ -254,9 +249,8 @@ def test_offsets_are_refused_exactly_where_the_friction_ellipse_leaves_zero_out(
     inside, outside = (Anisotropy(factor * edge, 0.4 + away, ellipticity, 0.4) for factor in (1.0 - 1e-9, 1.0 + 1e-9))
     assert predict(FOUND, inside).anisotropy is inside
     assert isinstance(inside.friction(), EllipseFriction)
-    for refused in (lambda: predict(FOUND, outside), outside.friction):
-        with pytest.raises(InvalidInput, match=r"offset .* reaches out of the friction ellipse.*choose less than"):
-            refused()
+    for asked in (lambda: predict(FOUND, outside), outside.friction):
+        refused(asked, told=r"offset .* reaches out of the friction ellipse.*choose less than")
 
 
 @pytest.mark.parametrize(
@@ -269,8 +263,7 @@ def test_offsets_are_refused_exactly_where_the_friction_ellipse_leaves_zero_out(
     ],
 )
 def test_an_anisotropy_that_no_surface_has_is_refused_however_large(surface, message) -> None:
-    with pytest.raises(InvalidInput, match=message):
-        predict(FOUND, surface)
+    refused(predict, FOUND, surface, told=message)
 
 
 def test_the_first_order_law_may_be_scaled_beyond_any_surface() -> None:
@@ -286,14 +279,11 @@ def test_angles_and_anisotropies_that_are_no_finite_numbers_are_refused() -> Non
     predicted = predict(FOUND, Anisotropy(0.1, 0.0, 0.02, 0.0))
     for law in (predicted.turn, predicted.second_order_turn, predicted.turn_error, predicted.anisotropy.seen_from):
         for theta in (math.nan, [0.0, math.inf], "abc"):
-            with pytest.raises(InvalidInput, match="theta must"):
-                law(theta)
+            refused(law, theta, told="theta must")
     for law in (RESPONSE.first_order, RESPONSE.second_order):
         for seen in ("abc", math.nan, [0.1, 0.0, 0.0], [0.1, 0.0, math.nan, 0.0]):
-            with pytest.raises(InvalidInput, match="seen must"):
-                law(seen)
-    with pytest.raises(InvalidInput, match="shares must"):
-        lock_in_boundary(RESPONSE, 0.0, 0.0, "abc")
+            refused(law, seen, told="seen must")
+    refused(lock_in_boundary, RESPONSE, 0.0, 0.0, "abc", told="shares must")
 
 
 def test_a_prediction_is_checked_on_its_own_surface_only(plywood, monkeypatch) -> None:
@@ -311,8 +301,7 @@ def test_a_prediction_is_checked_on_its_own_surface_only(plywood, monkeypatch) -
         InvalidInput, match=r"prediction is of offset 0.13.*but isotropic has offset 0.0000.*own friction"
     ):
         check_prediction(prediction, CollectionLoop.mit(material="isotropic"))
-    with pytest.raises(InvalidInput, match="needs a Prediction and a CollectionLoop"):
-        check_prediction(None, plywood)
+    refused(check_prediction, None, plywood, told="needs a Prediction and a CollectionLoop")
 
 
 def test_without_a_friction_on_the_rod_the_second_order_is_not_found() -> None:

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import portrait, staircase_forecast
 from cyclemap.collection.cycle_scene import cycle_scene
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
 
 TURN = 2 * np.pi
@@ -92,8 +92,7 @@ def test_progress_rises_to_one(loop_of) -> None:
 
 @pytest.mark.parametrize("bad", [{"sigma": 0.0}, {"sigma": -1.0}, {"sigma": np.nan}, {"cycles": 0}])
 def test_nonsense_is_refused(loop_of, bad) -> None:
-    with pytest.raises(InvalidInput):
-        portrait(loop_of(CircleMap.arnold(0.1, 0.5)), **bad)
+    refused(portrait, loop_of(CircleMap.arnold(0.1, 0.5)), **bad)
 
 
 def test_turn_curve_ends_at_the_jump_on_both_sides() -> None:
@@ -210,5 +209,4 @@ def test_plywood_of_the_paper_climbs_in_whole_turns_but_hardly_ever(real_loop) -
 
 
 def test_a_run_without_noise_is_refused(loop_of) -> None:
-    with pytest.raises(InvalidInput, match="sigma"):
-        staircase_forecast(loop_of(CircleMap.arnold(0.1, 0.9)), sigma=0.0)
+    refused(staircase_forecast, loop_of(CircleMap.arnold(0.1, 0.9)), sigma=0.0, told="sigma")

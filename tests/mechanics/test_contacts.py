@@ -115,9 +115,9 @@ def test_a_point_that_slides_off_a_corner_leaves_there_with_no_more_than_the_sid
     ],
 )
 def test_pushes_that_do_not_touch_or_start_inside_are_refused_in_one_line(push, told):
-    with pytest.raises(InvalidInput, match=told) as refused:
+    with pytest.raises(InvalidInput, match=told) as refusal:
         QuasiStaticModel(RECT, PLYWOOD).push(Pose(), push)
-    assert "\n" not in str(refused.value)
+    assert "\n" not in str(refusal.value)
 
 
 def test_a_push_that_no_slip_balances_is_refused():
@@ -173,5 +173,5 @@ def test_a_tripod_of_a_micrometre_is_done_or_refused_at_once():
     try:
         push = QuasiStaticModel(RECT, PLYWOOD, footprint=tripod(1e-6)).push(Pose(theta=0.3), SidePush())
         assert abs(push.turn - math.pi / 2.0) < 1e-4
-    except CycleMapError as refused:
-        assert "\n" not in str(refused)
+    except CycleMapError as refusal:
+        assert "\n" not in str(refusal)

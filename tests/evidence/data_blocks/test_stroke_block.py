@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import (
     MeasuredDrag,
     MeasuredPush,
@@ -95,8 +95,7 @@ def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothin
     assert ends[0, 2] == pytest.approx(whole.theta, abs=1e-4)
     assert not ends[1].any() and not by_shift[1].any() and by_shift[0].any()
     assert not predicted_push_ends(model, [missing])[0].any()
-    with pytest.raises(InvalidInput, match="deep inside"):
-        predicted_push_ends(model, [MeasuredPush(Pose(), Pose(), (0.0, 0.0), (0.001, 0.0))])
+    refused(predicted_push_ends, model, [MeasuredPush(Pose(), Pose(), (0.0, 0.0), (0.001, 0.0))], told="deep inside")
 
 
 def test_a_subset_holds_whole_groups_and_an_empty_block_is_refused() -> None:
@@ -104,8 +103,7 @@ def test_a_subset_holds_whole_groups_and_an_empty_block_is_refused() -> None:
     part = block.subset([1])
     assert len(part.strokes) == 2
     assert part.residuals(VALUES)[0] == pytest.approx(block.residuals(VALUES)[0][6:12])
-    with pytest.raises(InvalidInput, match="no strokes"):
-        drag_turn_block([], RECT1)
+    refused(drag_turn_block, [], RECT1, told="no strokes")
 
 
 @pytest.mark.parametrize(("surface", "slope", "radius"), [("plywood", 0.74, 0.0), ("abs", 0.68, 2e-3)])

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import WrenchTwists, identify, read_wrench_twists, wrench_twist_block
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider
 
@@ -100,8 +101,7 @@ def test_files_are_read_by_surface(tmp_path) -> None:
 )
 def test_files_that_cannot_be_used_are_refused(tmp_path, text, words) -> None:
     (tmp_path / "pairs.csv").write_text(text)
-    with pytest.raises(DataFileError, match=words):
-        read_wrench_twists(tmp_path / "pairs.csv", rho=0.06)
+    refused(read_wrench_twists, tmp_path / "pairs.csv", rho=0.06, told=words, kind=DataFileError)
 
 
 @pytest.mark.parametrize(
@@ -114,8 +114,7 @@ def test_files_that_cannot_be_used_are_refused(tmp_path, text, words) -> None:
     ],
 )
 def test_pairs_that_cannot_be_used_are_refused(asked, words) -> None:
-    with pytest.raises(InvalidInput, match=words):
-        asked()
+    refused(asked, told=words)
 
 
 def test_measured_pairs_ask_for_weight_on_the_rim_on_plywood_and_for_little_on_abs(measured_data) -> None:

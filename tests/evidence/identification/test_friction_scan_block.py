@@ -26,13 +26,12 @@ TRUTH = SurfaceParameters.from_friction(FRICTION).values()
 SPACE = SURFACE.select(ELLIPSE)
 
 
-def made_scans(degrees, noise=0.0, shared=0.0, seed=0, repeats=2):
-    """Scans in some directions; `shared`: share of the noise's variance that a direction's repeats have in common."""
-    rng, direction = np.random.default_rng(seed), np.repeat(np.radians(degrees), repeats)
+def made_scans(degrees, noise=0.0, repeats=2):
+    """Scans in some directions, noise in N."""
+    rng, direction = np.random.default_rng(0), np.repeat(np.radians(degrees), repeats)
     c, k = np.cos(direction), np.sin(direction)
     fx, fy = WEIGHT * FRICTION.traction(np.stack([c, k], axis=-1)).T
-    own, common = rng.standard_normal((2, len(direction))), rng.standard_normal((2, len(degrees)))
-    error = noise * (math.sqrt(1.0 - shared) * own + math.sqrt(shared) * np.repeat(common, repeats, axis=1))
+    error = noise * rng.standard_normal((2, len(direction)))
     along, across = c * fx + k * fy + error[0], c * fy - k * fx + error[1]
     return {"direction": direction, "force_along": along, "force_across": across}
 

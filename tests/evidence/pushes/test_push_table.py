@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, turned, write
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.push_table import PUSH_COLUMNS, SCAN_COLUMNS, load_pushes, read_push_csv
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.text_files import read_csv_table
@@ -62,8 +63,7 @@ def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
 )
 def test_a_bad_table_is_refused_by_line_and_reported(tmp_path, text, said) -> None:
     path = csv(tmp_path, text)
-    with pytest.raises(DataFileError, match=said):
-        read_push_csv(path)
+    refused(read_push_csv, path, told=said, kind=DataFileError)
     loaded = load_pushes(tmp_path)
     assert tuple(loaded.table.columns) == PUSH_COLUMNS and loaded.table.empty and loaded.scans.empty
     assert [entry.path for entry in loaded.unreadable] == [path]
@@ -202,10 +202,8 @@ def test_bad_files_are_named_with_their_reasons_and_the_rest_is_kept(tmp_path) -
 
 def test_a_place_without_push_files_is_refused_by_name(tmp_path) -> None:
     (tmp_path / "notes.txt").write_text("nothing pushed yet")
-    with pytest.raises(InvalidInput, match=f"{tmp_path}: the folder holds no push data"):
-        load_pushes(tmp_path)
-    with pytest.raises(InvalidInput, match="there is nothing there"):
-        load_pushes(tmp_path / "none")
+    refused(load_pushes, tmp_path, told=f"{tmp_path}: the folder holds no push data")
+    refused(load_pushes, tmp_path / "none", told="there is nothing there")
 
 
 def test_a_closed_folder_is_reported(tmp_path, monkeypatch) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.evidence import Theta0Pairs, read_theta0_pairs
@@ -154,10 +155,8 @@ def test_bad_file_is_refused_by_name_and_line(csv, text, said) -> None:
 
 
 def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(DataFileError, match="there is no such file"):
-        read_theta0_pairs(tmp_path / "none.csv")
-    with pytest.raises(DataFileError, match="cannot be read"):
-        read_theta0_pairs(tmp_path)
+    refused(read_theta0_pairs, tmp_path / "none.csv", told="there is no such file", kind=DataFileError)
+    refused(read_theta0_pairs, tmp_path, told="cannot be read", kind=DataFileError)
 
 
 @pytest.mark.parametrize(
@@ -180,5 +179,4 @@ def test_pairs_that_are_none_are_refused(theta, theta_next, numbers, match) -> N
 def test_measured_plywood_cut_in_the_middle_of_a_line_is_refused(measured_data: Path, csv) -> None:
     whole = (measured_data / "plywood_rect1_theta0_2000.csv").read_bytes()
     for cut in range(len(whole) // 2, len(whole) // 2 + 60):
-        with pytest.raises(DataFileError, match="cut off"):
-            read_theta0_pairs(csv(whole[:cut]))
+        refused(read_theta0_pairs, csv(whole[:cut]), told="cut off", kind=DataFileError)

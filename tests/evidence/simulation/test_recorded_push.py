@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -187,13 +188,11 @@ def test_measurement_noise_has_the_deviations_asked_for_and_leaves_the_tip_alone
 @pytest.mark.parametrize("field", ["turn", "position", "angle", "force"])
 @pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
 def test_noise_that_is_none_is_refused_by_name(field, value) -> None:
-    with pytest.raises(InvalidInput, match=f"noise of the {field}"):
-        RecordingNoise(**{field: value})
+    refused(RecordingNoise, told=f"noise of the {field}", **{field: value})
 
 
 def test_a_rod_that_does_not_move_or_a_stroke_shorter_than_the_push_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="speed of the rod must be positive"):
-        Recording(speed=0.0)
+    refused(Recording, speed=0.0, told="speed of the rod must be positive")
     push, _ = SHORT.strokes(0.0, 0.01)
     with pytest.raises(InvalidInput, match=r"went 0\.12 m, further than the stroke of 0\.1 m"):
         record_push(push, 0.1, QUIET, np.random.default_rng(0))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from made_sets import made_set, noisy_set, true_turn
+from refusals import refused
 from scipy.stats import wasserstein_distance
 
 from cyclemap.errors import InvalidInput
@@ -136,9 +137,6 @@ def test_bad_input_is_refused_by_name() -> None:
     pushes, law = fitted()
     with pytest.raises(InvalidInput, match="all values are 1"):
         turn_histogram(np.arange(30.0), np.ones(30), fit_periodic_law(np.arange(30.0), np.ones(30), harmonics=0))
-    with pytest.raises(InvalidInput, match="bins must be at least 2"):
-        turn_histogram(pushes.theta, pushes.dtheta, law, bins=1)
-    with pytest.raises(InvalidInput, match="runs must be at least 1"):
-        turn_histogram(pushes.theta, pushes.dtheta, law, runs=0)
-    with pytest.raises(InvalidInput, match="entries"):
-        turn_histogram(pushes.theta[1:], pushes.dtheta, law)
+    refused(turn_histogram, pushes.theta, pushes.dtheta, law, bins=1, told="bins must be at least 2")
+    refused(turn_histogram, pushes.theta, pushes.dtheta, law, runs=0, told="runs must be at least 1")
+    refused(turn_histogram, pushes.theta[1:], pushes.dtheta, law, told="entries")
