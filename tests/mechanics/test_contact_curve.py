@@ -186,6 +186,27 @@ def test_coincidences_within_rounding_leave_neither_gaps_nor_crashes():
         check_points_and_junctions(outline, contact_curve(outline, radius), 2e-12)
 
 
+def test_a_rod_as_wide_as_a_slot_is_in_it_or_not():
+    for radius, floor in ((0.49, True), (0.5 - 1e-9, True), (0.5, None), (0.5 + 1e-9, False), (0.6, False)):
+        curve = contact_curve(SLOT, radius)
+        check_points_and_junctions(SLOT, curve, 1e-12)
+        sides = {piece.side for piece in curve.pieces if isinstance(piece, SidePiece)}
+        assert {3, 5} <= sides or not {3, 4, 5} & sides
+        assert floor is None or (4 in sides) == floor
+
+
+def test_a_pocket_behind_a_narrow_mouth_has_a_loop_of_its_own():
+    mouth = [(2.1, 3), (2.1, 2.5), (3.5, 2.5), (3.5, 0.5), (0.5, 0.5), (0.5, 2.5), (1.9, 2.5), (1.9, 3)]
+    flask = Polygon([(0, 0), (4, 0), (4, 3), *mouth, (0, 3)])
+    curve = contact_curve(flask, 0.2)
+    assert sorted(map(len, loops(curve)), reverse=True)[1] == 7
+    # The inner loop: around a room of 3 by 2, less the rod, its ceiling broken by the mouth's two corners.
+    inner = min(loops(curve), key=len)
+    assert [type(curve.pieces[i]) for i in inner].count(CornerPiece) == 2
+    assert len(loops(contact_curve(flask, 0.05))) == 1
+    assert len(loops(contact_curve(flask, 1.1))) == 1
+
+
 def test_a_point_touches_every_side_and_two_at_a_concave_vertex():
     curve = contact_curve(NOTCHED, 0.0)
     assert [piece.side for piece in curve.pieces] == list(range(5))

@@ -184,6 +184,8 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     assert data.left_out["cycle of another set"] == 2
     assert data.path_first == 4
     assert np.allclose(data.path, 0.1 * np.arange(4, 10))
+    (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")
+    assert np.degrees(collection_data(tmp_path / "theta.csv", None).path) == pytest.approx([340.0, 355.0, 372.0])
 
 
 @pytest.mark.parametrize(
