@@ -195,16 +195,12 @@ def test_a_rod_as_wide_as_a_slot_is_in_it_or_not():
         assert floor is None or (4 in sides) == floor
 
 
-def test_a_pocket_behind_a_narrow_mouth_has_a_loop_of_its_own():
-    mouth = [(2.1, 3), (2.1, 2.5), (3.5, 2.5), (3.5, 0.5), (0.5, 0.5), (0.5, 2.5), (1.9, 2.5), (1.9, 3)]
-    flask = Polygon([(0, 0), (4, 0), (4, 3), *mouth, (0, 3)])
-    curve = contact_curve(flask, 0.2)
-    assert sorted(map(len, loops(curve)), reverse=True)[1] == 7
-    # The inner loop: around a room of 3 by 2, less the rod, its ceiling broken by the mouth's two corners.
-    inner = min(loops(curve), key=len)
-    assert [type(curve.pieces[i]) for i in inner].count(CornerPiece) == 2
-    assert len(loops(contact_curve(flask, 0.05))) == 1
-    assert len(loops(contact_curve(flask, 1.1))) == 1
+def test_the_butterfly_is_one_loop_of_which_a_wide_rod_touches_less():
+    outline, curves = dataset_sliders()["butter"].outline, []
+    for radius in (0.00475, 0.08):
+        curves.append(contact_curve(outline, radius))
+        check_points_and_junctions(outline, curves[-1], 1e-13)
+    assert len(loops(curves[0])) == 1 and len(curves[1].pieces) < len(curves[0].pieces)
 
 
 def test_a_point_touches_every_side_and_two_at_a_concave_vertex():
