@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop, DynamicLoop, batch_experiment
 from cyclemap.collection.batch_experiment import REST, run_batches
 from cyclemap.collection.dynamic_loop import on_points
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 
 
@@ -139,14 +139,9 @@ def test_progress_reaches_one_in_even_steps():
 
 def test_batches_that_cannot_be_are_refused():
     loop = CollectionLoop.mit()
-    with pytest.raises(InvalidInput, match="batches"):
-        batch_experiment(loop, batches=0)
-    with pytest.raises(InvalidInput, match="cycles"):
-        run_batches(loop, [0.0], cycles=0)
+    refused(batch_experiment, loop, batches=0, told="batches")
+    refused(run_batches, loop, [0.0], cycles=0, told="cycles")
     for run in (batch_experiment, lambda loop: run_batches(loop, [0.0])):
-        with pytest.raises(InvalidInput, match=r"CollectionLoop\.mit.*not 'plywood'"):
-            run("plywood")
-    with pytest.raises(InvalidInput, match="at least one orientation"):
-        run_batches(loop, [])
-    with pytest.raises(InvalidInput, match="within"):
-        still().anisotropic.directions(within=0.0)
+        refused(run, "plywood", told=r"CollectionLoop\.mit.*not 'plywood'")
+    refused(run_batches, loop, [], told="at least one orientation")
+    refused(still().anisotropic.directions, within=0.0, told="within")

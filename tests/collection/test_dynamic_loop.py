@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop, DynamicLoop, compare_dynamics, isotropic_twin
 from cyclemap.collection.dynamic_loop import on_points
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import DragBack, PatchFootprint, Slider, corner_footprint
 
 # Four orientations: on plywood the push ends by distance at 60 and 150 degrees, the rod leaves at 0 and 270.
@@ -108,22 +108,15 @@ def test_way_points_and_pin_friction_of_the_reset_are_followed():
 
 def test_what_it_cannot_run_is_refused_by_name():
     loop = CollectionLoop.mit()
-    with pytest.raises(InvalidInput, match="theta"):
-        DynamicLoop(loop).cycle(math.nan)
-    with pytest.raises(InvalidInput, match="speed must be positive"):
-        DynamicLoop(loop, speed=-0.02)
+    refused(DynamicLoop(loop).cycle, math.nan, told="theta")
+    refused(DynamicLoop, loop, speed=-0.02, told="speed must be positive")
     for name in ("speed", "stiffness", "regularisation", "tolerance"):
-        with pytest.raises(InvalidInput, match=name):
-            DynamicLoop(loop, **{name: 0.0})
-    with pytest.raises(InvalidInput, match="1e-10 to 1e-3"):
-        DynamicLoop(loop, tolerance=1.0)
+        refused(DynamicLoop, loop, told=name, **{name: 0.0})
+    refused(DynamicLoop, loop, tolerance=1.0, told="1e-10 to 1e-3")
     for make in (DynamicLoop, on_points, isotropic_twin):
-        with pytest.raises(InvalidInput, match=r"CollectionLoop\.mit.*not 'plywood'"):
-            make("plywood")
-    with pytest.raises(InvalidInput, match=r"DynamicLoop\(loop\).*not a CollectionLoop"):
-        compare_dynamics(loop, [0.0])
-    with pytest.raises(InvalidInput, match="'foo': choose one of push_turn"):
-        compared(False).difference("foo")
+        refused(make, "plywood", told=r"CollectionLoop\.mit.*not 'plywood'")
+    refused(compare_dynamics, loop, [0.0], told=r"DynamicLoop\(loop\).*not a CollectionLoop")
+    refused(compared(False).difference, "foo", told="'foo': choose one of push_turn")
 
 
 def test_a_loop_that_has_run_can_be_sent_to_another_process():

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import (
     Anisotropy,
@@ -68,12 +69,6 @@ def test_an_anisotropy_gives_back_its_ellipse_whatever_its_axes_are_called() -> 
     values = [(law.mu_a, law.mu_b, law.m0, law.n0, law.phi) for law in (back, given)]
     assert values[0] == pytest.approx(values[1], abs=1e-15)
     assert Anisotropy.of_components(Anisotropy.of(given).seen_from(0.0)).friction().phi == pytest.approx(0.7)
-
-
-def test_the_isotropic_turn_is_the_independent_solvers(mit) -> None:
-    """74.52037° of push and -66.51814° of drag, good to 1e-5 degrees."""
-    turns = np.degrees([mit.push.turn, mit.drag.turn, mit.turn])
-    assert turns == pytest.approx([74.52037, -66.51814, 74.52037 - 66.51814], abs=2e-5)
 
 
 @pytest.mark.parametrize("name", PROTOCOLS)
@@ -162,23 +157,19 @@ def falling_zeros(turn):
     return (2.0 * np.pi / 2400 * (falls + 0.5)).tolist()
 
 
-def test_an_isotropic_surface_has_no_direction_and_drifts_by_omega(mit) -> None:
+def test_surfaces_without_a_direction_drift_and_one_too_anisotropic_for_a_first_order_law_says_so(mit) -> None:
+    """Isotropic ones by Ω, weak ones slower, slowest where their turn is least."""
     nothing = predict(mit, Anisotropy(0.0, 0.0, 0.0, 0.0))
     assert nothing.directions == () and nothing.verdict == DRIFTS and nothing.trusted
     assert nothing.mean_turn == pytest.approx(mit.turn, abs=1e-12)
     assert nothing.lock_in.scale == np.inf and nothing.lock_in_range == (np.inf, np.inf)
-
-
-def test_a_surface_too_anisotropic_for_a_first_order_law_says_so(mit) -> None:
-    strong = predict(mit, Anisotropy.of(EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)))
-    assert not strong.trusted and strong.verdict == UNDECIDED and strong.ratio > 1.0
-
-
-def test_a_drifting_map_is_slowest_where_its_turn_is_least_and_its_mean_turn_is_less_than_omega(mit) -> None:
     weak = predict(mit, Anisotropy(0.03, 1.0, 0.01, 0.5))
-    assert weak.directions == () and weak.verdict == DRIFTS
-    assert 0.0 < float(weak.turn(weak.slowest)) < weak.mean_turn < mit.turn
-    assert float(weak.turn(weak.slowest)) == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
+    least = float(weak.turn(weak.slowest))
+    assert weak.directions == () and weak.verdict == DRIFTS and 0.0 < least < weak.mean_turn < mit.turn
+    assert least == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
+    strong = predict(mit, EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
+    assert strong.anisotropy == Anisotropy.of(EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
+    assert not strong.trusted and strong.verdict == UNDECIDED and strong.ratio > 1.0
 
 
 def test_fixed_points_appear_exactly_at_the_predicted_scale(mit) -> None:
@@ -212,10 +203,8 @@ def test_the_edge_of_lock_in_is_off_by_the_square_of_the_anisotropy_it_takes(ply
 def test_what_has_no_fingerprint_or_no_lock_in_is_refused_by_name(plywood, mit) -> None:
     with pytest.raises(InvalidInput, match=r"way-points of the reset.*fixed in the world.*way_points_mm"):
         fingerprint(CollectionLoop.from_settings({"way_points_mm": [[0.0, 50.0]]}))
-    with pytest.raises(InvalidInput, match=r"gradient of a turn has shape \(3,\)"):
-        TurnResponse(0.0, [1.0, 2.0, 3.0], np.zeros((4, 4)))
-    with pytest.raises(InvalidInput, match="offset must not be negative"):
-        Anisotropy(-0.1, 0.0, 0.0, 0.0)
+    refused(TurnResponse, 0.0, [1.0, 2.0, 3.0], np.zeros((4, 4)), told=r"gradient of a turn has shape \(3,\)")
+    refused(Anisotropy, -0.1, 0.0, 0.0, 0.0, told="offset must not be negative")
     near = first_order_lock_in(mit.cycle, Anisotropy(0.1, 0.0, 0.0, 0.0))
     with pytest.raises(ConvergenceError, match="no lock-in between"):
         full_lock_in(replace(plywood, accuracy=1e-5), Anisotropy(0.01, 0.0, 0.0, 0.0), near)
@@ -243,22 +232,12 @@ RESPONSE = TurnResponse(0.1, [2.0, 0.5, 0.4, 1.0], np.zeros((4, 4)))
 FOUND = Fingerprint(RESPONSE, TurnResponse(0.0, np.zeros(4), np.zeros((4, 4))), 0.0, 0.1)
 
 
-def test_a_friction_is_predicted_as_its_anisotropy(plywood) -> None:
-    by_friction = predict(FOUND, plywood.material.friction)
-    assert by_friction.anisotropy == Anisotropy.of(plywood.material.friction)
-    assert len(by_friction.directions) == 2
-
-
 @pytest.mark.parametrize("surface", [None, "plywood", 0.1, (0.1, 0.0, 0.1, 0.0)])
 def test_other_things_than_a_surface_are_refused_at_once(surface) -> None:
-    with pytest.raises(InvalidInput, match=r"must be an Anisotropy or an EllipseFriction.*not "):
-        predict(FOUND, surface)
-    with pytest.raises(InvalidInput, match="friction must be an EllipseFriction"):
-        Anisotropy.of(surface)
-    with pytest.raises(InvalidInput, match="needs a Fingerprint"):
-        predict(surface, Anisotropy(0.1, 0.0, 0.0, 0.0))
-    with pytest.raises(InvalidInput, match="loop must be a CollectionLoop"):
-        fingerprint(surface)
+    refused(predict, FOUND, surface, told=r"must be an Anisotropy or an EllipseFriction.*not ")
+    refused(Anisotropy.of, surface, told="friction must be an EllipseFriction")
+    refused(predict, surface, Anisotropy(0.1, 0.0, 0.0, 0.0), told="needs a Fingerprint")
+    refused(fingerprint, surface, told="loop must be a CollectionLoop")
 
 
 @pytest.mark.parametrize("ellipticity", [0.0, 0.3, MOST_ELLIPTICITY])
@@ -270,9 +249,8 @@ def test_offsets_are_refused_exactly_where_the_friction_ellipse_leaves_zero_out(
     inside, outside = (Anisotropy(factor * edge, 0.4 + away, ellipticity, 0.4) for factor in (1.0 - 1e-9, 1.0 + 1e-9))
     assert predict(FOUND, inside).anisotropy is inside
     assert isinstance(inside.friction(), EllipseFriction)
-    for refused in (lambda: predict(FOUND, outside), outside.friction):
-        with pytest.raises(InvalidInput, match=r"offset .* reaches out of the friction ellipse.*choose less than"):
-            refused()
+    for asked in (lambda: predict(FOUND, outside), outside.friction):
+        refused(asked, told=r"offset .* reaches out of the friction ellipse.*choose less than")
 
 
 @pytest.mark.parametrize(
@@ -285,8 +263,7 @@ def test_offsets_are_refused_exactly_where_the_friction_ellipse_leaves_zero_out(
     ],
 )
 def test_an_anisotropy_that_no_surface_has_is_refused_however_large(surface, message) -> None:
-    with pytest.raises(InvalidInput, match=message):
-        predict(FOUND, surface)
+    refused(predict, FOUND, surface, told=message)
 
 
 def test_the_first_order_law_may_be_scaled_beyond_any_surface() -> None:
@@ -298,22 +275,15 @@ def test_the_first_order_law_may_be_scaled_beyond_any_surface() -> None:
     assert 10.0 < found.lock_in_range[0] < found.lock_in.scale
 
 
-@pytest.mark.parametrize("theta", [math.nan, [0.0, math.inf], "abc"])
-def test_orientations_that_are_no_finite_numbers_are_refused(theta) -> None:
+def test_angles_and_anisotropies_that_are_no_finite_numbers_are_refused() -> None:
     predicted = predict(FOUND, Anisotropy(0.1, 0.0, 0.02, 0.0))
-    laws = (predicted.turn, predicted.second_order_turn, predicted.turn_error, predicted.anisotropy.seen_from)
-    for law in laws:
-        with pytest.raises(InvalidInput, match="theta must"):
-            law(theta)
-
-
-@pytest.mark.parametrize("seen", ["abc", math.nan, [0.1, 0.0, 0.0], [0.1, 0.0, math.nan, 0.0]])
-def test_a_response_takes_finite_anisotropies_of_four_numbers(seen) -> None:
+    for law in (predicted.turn, predicted.second_order_turn, predicted.turn_error, predicted.anisotropy.seen_from):
+        for theta in (math.nan, [0.0, math.inf], "abc"):
+            refused(law, theta, told="theta must")
     for law in (RESPONSE.first_order, RESPONSE.second_order):
-        with pytest.raises(InvalidInput, match="seen must"):
-            law(seen)
-    with pytest.raises(InvalidInput, match="shares must"):
-        lock_in_boundary(RESPONSE, 0.0, 0.0, "abc")
+        for seen in ("abc", math.nan, [0.1, 0.0, 0.0], [0.1, 0.0, math.nan, 0.0]):
+            refused(law, seen, told="seen must")
+    refused(lock_in_boundary, RESPONSE, 0.0, 0.0, "abc", told="shares must")
 
 
 def test_a_prediction_is_checked_on_its_own_surface_only(plywood, monkeypatch) -> None:
@@ -331,8 +301,7 @@ def test_a_prediction_is_checked_on_its_own_surface_only(plywood, monkeypatch) -
         InvalidInput, match=r"prediction is of offset 0.13.*but isotropic has offset 0.0000.*own friction"
     ):
         check_prediction(prediction, CollectionLoop.mit(material="isotropic"))
-    with pytest.raises(InvalidInput, match="needs a Prediction and a CollectionLoop"):
-        check_prediction(None, plywood)
+    refused(check_prediction, None, plywood, told="needs a Prediction and a CollectionLoop")
 
 
 def test_without_a_friction_on_the_rod_the_second_order_is_not_found() -> None:

@@ -6,9 +6,10 @@ import tomllib
 from dataclasses import asdict, replace
 
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.mechanics import (
     EllipseFriction,
     FoundWith,
@@ -103,28 +104,23 @@ def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):
 def test_tables_that_carry_nothing_are_refused_in_one_line(text, told, tmp_path):
     path = tmp_path / "found.toml"
     path.write_text(f"[friction]\nmu_a = 0.3\nmu_b = 0.3\n{text}\n")
-    with pytest.raises(DataFileError, match=told) as refused:
-        load_material(path)
-    assert "\n" not in str(refused.value)
+    refused(load_material, path, told=told, kind=DataFileError)
 
 
 def test_a_sample_of_the_posterior_is_a_material_in_si_units_and_leaves_what_it_does_not_name():
     names = ("mu_a", "phi_deg", "pusher_mu", "pin_friction_mm", "rect1.rim_share", "hex.inner_share")
     posterior = MaterialPosterior(names, ((0.31, 90.0, 0.2, 1.5, 0.4, 0.3), (0.29, -90.0, 0.1, 0.0, 0.2, 0.1)))
     given = Material("floor", LAW, plates=(PlatePressure("rect1", 0.1, 0.3), PlatePressure("hex")))
-    with pytest.raises(InvalidInput, match="needs pusher_mu in"):
-        replace(given, posterior=posterior)
+    refused(replace, given, posterior=posterior, told="needs pusher_mu in")
     found = FoundWith(pusher_friction=0.1, pin_friction_radius=0.0)
-    with pytest.raises(InvalidInput, match="needs a table"):
-        replace(given, found_with=found, plates=given.plates[:1], posterior=posterior)
+    refused(replace, given, found_with=found, plates=given.plates[:1], posterior=posterior, told="needs a table")
     given = replace(given, found_with=found, posterior=posterior)
     first = given.sample(0)
     assert first.friction == EllipseFriction(0.31, 0.25, phi=math.pi / 2.0)
     assert first.found_with == FoundWith(pusher_friction=0.2, pin_friction_radius=0.0015)
     assert first.plates == (PlatePressure("rect1", 0.1, 0.4), PlatePressure("hex", 0.3))
     assert first.posterior is None and given.sample(1).friction.mu_a == 0.29
-    with pytest.raises(InvalidInput, match="no posterior sample 2"):
-        given.sample(2)
+    refused(given.sample, 2, told="no posterior sample 2")
     # What a file keeps of it comes back to the last bit, and so does a pickle.
     assert pickle.loads(pickle.dumps(given)) == given
     assert tomllib.loads(material_toml(given))["posterior"]["samples"] == [list(row) for row in posterior.samples]

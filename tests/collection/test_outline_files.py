@@ -4,10 +4,11 @@ import struct
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import outline_files
 from cyclemap.collection.outline_files import read_outline
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 
 pytest.importorskip("svgpathtools")
 pytest.importorskip("ezdxf")
@@ -149,19 +150,16 @@ def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> Non
 def test_what_is_no_outline_is_refused(tmp_path, name, content, message) -> None:
     if content is not None:
         (tmp_path / name).write_text(content)
-    with pytest.raises(DataFileError, match=message):
-        read_outline(tmp_path / name)
+    refused(read_outline, tmp_path / name, told=message, kind=DataFileError)
 
 
 def test_another_kind_of_file_and_a_missing_library_are_told(tmp_path, monkeypatch) -> None:
     (tmp_path / "tee.step").write_text("x")
-    with pytest.raises(InvalidInput, match=r"read from \.svg, \.dxf, .*, not from \.step"):
-        read_outline(tmp_path / "tee.step")
+    refused(read_outline, tmp_path / "tee.step", told=r"read from \.svg, \.dxf, .*, not from \.step")
     write_svg(tmp_path / "tee.svg")
 
     def missing(name):
         raise ImportError(name)
 
     monkeypatch.setattr(outline_files, "import_module", missing)
-    with pytest.raises(InvalidInput, match=r"needs svgpathtools: pip install 'cyclemap\[outlines\]'"):
-        read_outline(tmp_path / "tee.svg")
+    refused(read_outline, tmp_path / "tee.svg", told=r"needs svgpathtools: pip install 'cyclemap\[outlines\]'")

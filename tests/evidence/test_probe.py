@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -100,14 +101,11 @@ def test_a_program_is_asked_line_by_line(tmp_path) -> None:
     assert push(math.radians(30.0)) == pytest.approx((0.030, -0.070, math.radians(74.5)))
     assert push(math.radians(60.0))[0] == pytest.approx(0.060)
     program.write_text("print('hello', flush=True)\ninput()\n")
-    with pytest.raises(InvalidInput, match=r"answered 'hello': for each line"):
-        command_push([sys.executable, str(program)])(0.0)
+    refused(command_push([sys.executable, str(program)]), 0.0, told=r"answered 'hello': for each line")
 
 
 def test_pushes_that_cannot_tell_are_refused() -> None:
     with pytest.raises(InvalidInput, match="gap of more than a quarter turn"):
         probe_pushes(np.linspace(0.0, 3.0, 20), np.zeros((20, 3)), ISOTROPIC)
-    with pytest.raises(InvalidInput, match="give 12 or more"):
-        probe_pushes(THETA[:5], np.zeros((5, 3)), ISOTROPIC)
-    with pytest.raises(InvalidInput, match=r"give \(dx, dy, dtheta\)"):
-        probe(lambda theta: (0.0, 1.0), ISOTROPIC, 12)
+    refused(probe_pushes, THETA[:5], np.zeros((5, 3)), ISOTROPIC, told="give 12 or more")
+    refused(probe, lambda theta: (0.0, 1.0), ISOTROPIC, 12, told=r"give \(dx, dy, dtheta\)")

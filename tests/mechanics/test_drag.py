@@ -95,11 +95,6 @@ def test_a_long_drag_without_anisotropy_ends_with_the_ring_ahead_or_the_force_at
             assert math.copysign(1.0, trailing_angle(model, held)) == -math.copysign(1.0, held.turn)
 
 
-def test_a_ring_in_the_centre_of_pressure_turns_nothing():
-    slider = Slider(Slider.mit("hex").outline, hitch=(0.0, 0.0))
-    assert abs(QuasiStaticModel(slider, PLYWOOD).drag(Pose(0.05, 0.1, 0.4), HOME).turn) < 1e-14
-
-
 def test_way_points_and_radii_that_are_no_numbers_are_refused():
     with pytest.raises(InvalidInput, match="way-point x"):
         MODEL.drag(Pose(), ((float("nan"), 0.0),))

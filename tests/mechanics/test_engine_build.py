@@ -128,10 +128,10 @@ def test_installed_package_is_without_sources_to_compare(checkout) -> None:
     damaged = (checkout / ENGINE).rename(checkout / "damaged")
     library_path(damaged).unlink()
     library_path(damaged).write_bytes(b"no library")
-    with pytest.raises(EngineNotBuilt, match=r"cannot be loaded \(.*\): in a checkout, ") as refused:
+    with pytest.raises(EngineNotBuilt, match=r"cannot be loaded \(.*\): in a checkout, ") as refusal:
         library.open_engine(damaged)
-    assert isinstance(refused.value, CycleMapError)
-    assert "\n" not in str(refused.value)
+    assert isinstance(refusal.value, CycleMapError)
+    assert "\n" not in str(refusal.value)
 
 
 @needs_shell

@@ -5,8 +5,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.mechanics import (
     MIT_HITCH,
     MIT_SHAPE_NAMES,
@@ -35,13 +36,6 @@ from cyclemap.mechanics.material_text import material_toml
 NAN, INF = float("nan"), float("inf")
 BOW_TIE = ((0, 0), (1, 1), (1, 0), (0, 1))
 SQUARE = ((0, 0), (1, 0), (1, 1), (0, 1))
-
-
-def refused(make, *values, told="", kind=InvalidInput, **named):
-    """Assert that values are refused in one line that holds `told`."""
-    with pytest.raises(kind, match=told) as caught:
-        make(*values, **named)
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(

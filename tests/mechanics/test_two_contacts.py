@@ -2,7 +2,6 @@
 
 import math
 from collections import Counter
-from functools import partial
 
 import numpy as np
 import pytest
@@ -12,12 +11,9 @@ from two_contact_reference import (
     Contact,
     Instant,
     consistent_modes,
-    cross,
     modes_of_both,
     one_contact,
-    quarter,
     unit,
-    wrench_on_points,
 )
 
 from cyclemap.mechanics import (
@@ -30,11 +26,9 @@ from cyclemap.mechanics import (
     QuasiStaticModel,
     SidePush,
     Slider,
-    grid_footprint,
 )
 from cyclemap.mechanics.engine.strokes import MODES
 
-SQUARE = Slider.mit("rect1")
 PLYWOOD, ISOTROPIC = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175), (0.25, 0.25, 0.0, 0.0, 0.0)
 NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03))
 SKEW = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03))
@@ -116,26 +110,6 @@ def random_wedge(rng, radius=None, mu=None):
 
 
 @pytest.mark.slow
-def test_forces_of_every_mode_balance_friction_and_those_kept_touch():
-    rng, names = np.random.default_rng(3), set()
-    for case in range(60):
-        instant, contacts, _ = random_wedge(rng, radius=0.0 if case % 5 == 0 else None)
-        for kept, mode in consistent_modes(instant, contacts):
-            held = contacts if kept == "both" else [contacts[int(kept)]]
-            total = np.zeros(3)
-            for contact, (normal, tangential) in zip(held, mode.forces, strict=True):
-                if mode.name != "pivot":
-                    assert normal >= 0.0 and abs(tangential) <= instant.mu * normal * (1.0 + 1e-9)
-                force = -normal * contact.normal + tangential * contact.tangent
-                total += [*force, cross(np.array(contact.point), force)]
-                velocity = mode.twist[:2] + mode.twist[2] * quarter(np.array(contact.point))
-                assert abs(contact.normal @ (velocity - instant.velocity)) < 1e-9
-            assert np.allclose(total, instant.wrench(mode.twist, 0.0), atol=1e-8)
-            names.add(mode.name)
-    assert names == {"stick", "slide+", "slide-", "turn+", "turn-", "wedged", "pivot"}
-
-
-@pytest.mark.slow
 def test_one_mode_holds_unless_the_notch_locks_itself():
     """A notch no wider than both friction cones holds any force: then the wedge holds, whatever else does."""
     rng, several = np.random.default_rng(4), 0
@@ -148,18 +122,6 @@ def test_one_mode_holds_unless_the_notch_locks_itself():
             assert "wedged" in names
             several += len(names) > 1
     assert several > 8
-
-
-def test_a_symmetric_notch_pushed_along_its_axis_translates():
-    """Pushed along one side's wall into the notch, the rod wedges; without friction each wall bears half over cos."""
-    wrench, slope = patch_friction(NOTCH, ISOTROPIC), math.atan(0.5)
-    walls = math.pi / 2.0 + slope, math.pi / 2.0 - slope
-    centre = np.array((0.0, 0.005 + 0.004 / math.cos(slope)))
-    contacts = [Contact(tuple(centre - 0.004 * unit(angle)), angle) for angle in walls]
-    ((_, turn),) = consistent_modes(Instant(wrench, 0.0, np.array([1e-6, -1.0]), 0.004, 0.0, 0.1), contacts)
-    assert np.allclose([n for n, _ in turn.forces], 0.125 / math.cos(slope), rtol=1e-4)
-    ((_, mode),) = consistent_modes(Instant(wrench, 0.0, np.array([0.0, -1.0]), 0.004, 0.2, 0.1), contacts)
-    assert mode.name == "wedged" and np.allclose(mode.twist, (0.0, -1.0, 0.0))
 
 
 def test_thin_rods_in_a_notch_tend_to_a_point():
@@ -232,17 +194,3 @@ def test_along_random_pushes_exactly_one_mode_of_the_solver_holds_and_has_the_en
         wrench = LimitSurface(case.model.pressure, case.model.friction).wrench
         seen.update(check_along(push, wrench, rod.radius, rod.friction))
     assert {"stick", "slide_left", "slide_right"} <= set(seen) and min(seen.values()) >= 3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("law", "theta", "distance", "friction"),
-    [(PLYWOOD, math.radians(150.0), 0.15, 0.15), ((0.35, 0.18, 0.05, -0.03, 0.7), -1.0, 0.08, 0.4)],
-    ids=["plywood", "strong"],
-)
-def test_a_square_on_the_papers_points_is_pushed_as_the_point_law_alone_tells(law, theta, distance, friction):
-    footprint, law = grid_footprint(SQUARE.outline, 8), EllipseFriction(*law)
-    model = QuasiStaticModel(SQUARE, law, Pusher(0.00475, friction), footprint)
-    push = model.push(Pose(theta=theta), SidePush(distance=distance))
-    wrench = partial(wrench_on_points, law, np.array(footprint.positions))
-    assert len(check_along(push, wrench, 0.00475, friction)) >= 2

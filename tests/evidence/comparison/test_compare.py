@@ -184,6 +184,8 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     assert data.left_out["cycle of another set"] == 2
     assert data.path_first == 4
     assert np.allclose(data.path, 0.1 * np.arange(4, 10))
+    (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")
+    assert np.degrees(collection_data(tmp_path / "theta.csv", None).path) == pytest.approx([340.0, 355.0, 372.0])
 
 
 @pytest.mark.parametrize(
@@ -208,12 +210,3 @@ def test_data_that_cannot_be_read_are_refused(tmp_path) -> None:
     (tmp_path / "bad.json").write_text("{")
     with pytest.raises(InvalidInput, match=r"no push could be read, 1 files are bad; the first: .*bad\.json"):
         compare(SINE, tmp_path, noise=NOISE)
-
-
-def test_measured_plywood_from_500_on_agrees_with_its_own_fit(measured_data) -> None:
-    data = collection_data(measured_data / "plywood_rect1_theta0_2000.csv", None, first=500)
-    assert data.pairs.theta.size == 1497
-    assert data.left_out["jump"] == 3
-    fitted = fit_map(data.pairs.theta, data.pairs.theta_next, cycle=data.cycle, harmonics=9, wear_degree=2)
-    off = data.pairs.turn - as_prediction(fitted, None, 2000).turn(data.pairs.theta, data.cycle)
-    assert np.degrees(np.sqrt(np.mean(off**2))) < 0.85

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import CyclePairBlock, SurfaceParameters
 from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, loop_on
 
@@ -57,7 +57,5 @@ def test_a_subset_keeps_its_rows_and_their_wear() -> None:
 
 
 def test_unequal_lists_and_shares_beyond_one_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="one turn for each"):
-        CyclePairBlock("cycles", MIT, THETA, THETA[1:], np.arange(12))
-    with pytest.raises(InvalidInput, match="from 0 to 1"):
-        made_block(np.full(12, 1.5))
+    refused(CyclePairBlock, "cycles", MIT, THETA, THETA[1:], np.arange(12), told="one turn for each")
+    refused(made_block, np.full(12, 1.5), told="from 0 to 1")

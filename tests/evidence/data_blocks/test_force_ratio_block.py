@@ -90,21 +90,6 @@ def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio(collection
     assert sum(one.lower < MU < one.upper for one in found) >= 6
 
 
-@pytest.mark.slow
-def test_intervals_cover_in_90_to_99_percent_of_runs_where_the_friction_varies_from_push_to_push() -> None:
-    """Four noisy pushes a run, sliding either way in several pieces, the friction of each its own by 5 %."""
-    held, rng = [], np.random.default_rng(1)
-    for run in range(200):
-        factors = 1.0 + 0.05 * rng.standard_normal(4)
-        records = [
-            made_record(NOISE, (run, number), factor, (-1) ** number * 0.4, 300)
-            for number, factor in enumerate(factors.tolist())
-        ]
-        found = friction_of(sliding_of(records))
-        held.append(found.lower < MU < found.upper)
-    assert 0.9 <= np.mean(held) <= 0.99
-
-
 def test_groups_are_pushes_and_the_pieces_of_one_push_alone_its_pieces() -> None:
     records = [made_record(samples=500, slip=slip) for slip in (0.4, 0.3)]
     both, one = sliding_of(records), sliding_of(records[:1])

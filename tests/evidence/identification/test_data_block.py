@@ -21,13 +21,6 @@ def test_a_subset_has_the_rows_of_its_groups_and_nothing_else() -> None:
         assert np.array_equal(own, whole[[7, 17]])
 
 
-def test_the_derivatives_of_the_stand_ins_are_their_slopes() -> None:
-    problem, step = JointProblem((force_block(), motion_block()), SPACE, {}), 1e-6
-    at = SPACE.vector(TRUTH) + 0.02
-    slopes = [(problem.evaluate(at + step * e)[0] - problem.evaluate(at - step * e)[0]) / (2 * step) for e in np.eye(7)]
-    assert np.allclose(problem.evaluate(at)[1], np.stack(slopes, axis=-1), atol=1e-9)
-
-
 def test_equal_labels_in_two_blocks_are_two_groups_and_equal_kinds_share_their_noise() -> None:
     problem = JointProblem((force_block(6), force_block(4, name="second")), SURFACE.select(ELLIPSE), {})
     assert len(np.unique(problem.groups)) == 10

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, hold_as_often_as_they_say, holds_truth, motion_block
 
 from cyclemap.errors import InvalidInput
@@ -104,13 +105,11 @@ def test_a_value_on_its_bound_says_which() -> None:
     ],
 )
 def test_questions_that_make_no_sense_are_refused_by_name(free, options, words) -> None:
-    with pytest.raises(InvalidInput, match=words):
-        identify(blocks(0.01), free, **options)
+    refused(identify, blocks(0.01), free, told=words, **options)
 
 
 def test_an_answer_has_what_was_asked_and_a_material_a_name() -> None:
     found = identify(blocks(0.01), NAMES, starts=1)
-    with pytest.raises(InvalidInput, match="needs a name"):
-        identified_material(found, " ")
+    refused(identified_material, found, " ", told="needs a name")
     with pytest.raises(InvalidInput, match="unknown identified parameter"):
         found["corner_share"]

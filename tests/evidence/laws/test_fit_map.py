@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
@@ -141,15 +142,13 @@ def test_worn_paths_are_those_of_the_drifting_map() -> None:
 )
 def test_bad_input_is_refused_by_name(change, options, match) -> None:
     theta, theta_next, *cycle = change(*worn_pairs(0, 0.02, 100))
-    with pytest.raises(InvalidInput, match=match):
-        fit_map(theta, theta_next, cycle=cycle[0] if cycle else None, **options)
+    refused(fit_map, theta, theta_next, cycle=cycle[0] if cycle else None, told=match, **options)
 
 
 def test_a_map_without_numbered_cycles_makes_no_worn_ones() -> None:
     theta, theta_next, cycle = worn_pairs(0, 0.02, 100)
     for asked in (lambda one: one.map_at(3), lambda one: one.drifting_map(3), lambda one: one.paths([0.0], 3)):
-        with pytest.raises(InvalidInput, match="fitted without cycle numbers"):
-            asked(fit_map(theta, theta_next, harmonics=2))
+        refused(asked, fit_map(theta, theta_next, harmonics=2), told="fitted without cycle numbers")
     with pytest.raises(InvalidInput, match="cycles must be at least 1"):
         fit_map(theta, theta_next, cycle=cycle, harmonics=2, wear_degree=1).paths([0.0], 0)
 
@@ -202,7 +201,5 @@ def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(measu
 
 def test_pairs_in_no_order_or_without_scatter_make_no_staircase() -> None:
     theta, path = np.linspace(0, 6, 50), np.arange(50) * 1.0
-    with pytest.raises(InvalidInput, match="no known order"):
-        measured_staircase(Theta0Pairs(theta, theta + 0.1))
-    with pytest.raises(InvalidInput, match="no measurement"):
-        measured_staircase(Theta0Pairs(path[:-1], path[1:], path))
+    refused(measured_staircase, Theta0Pairs(theta, theta + 0.1), told="no known order")
+    refused(measured_staircase, Theta0Pairs(path[:-1], path[1:], path), told="no measurement")

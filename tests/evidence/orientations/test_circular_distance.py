@@ -1,16 +1,23 @@
-"""Laws on the circle and distances from them: closed forms, brute force, axioms and invariances."""
+"""Laws on the circle, distances, Kuiper's and Watson's statistics, p-values, modes: closed forms and invariances."""
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import vonmises
 
-from cyclemap.errors import InvalidInput
+from cyclemap.evidence import kernel_modes
 from cyclemap.evidence.orientations.circular_distance import (
     CircularLaw,
     circular_wasserstein,
     orientations,
     total_variation,
+)
+from cyclemap.evidence.orientations.goodness_of_fit import (
+    PValue,
+    kuiper_statistic,
+    monte_carlo_p_value,
+    watson_statistic,
 )
 
 TURN = 2 * np.pi
@@ -68,10 +75,8 @@ def test_bins_share_out_the_whole_law() -> None:
     ],
 )
 def test_what_is_no_density_is_refused(density, match) -> None:
-    with pytest.raises(InvalidInput, match=match):
-        CircularLaw(density)
-    with pytest.raises(InvalidInput, match="cells must be at least 8"):
-        CircularLaw(uniform, cells=4)
+    refused(CircularLaw, density, told=match)
+    refused(CircularLaw, uniform, cells=4, told="cells must be at least 8")
 
 
 def cardioid(tilt: float, centre: float = 0.0):
@@ -88,23 +93,11 @@ def samples(count: int, seed: int, size: int = 12):
     return [random.normal(random.uniform(0, TURN), random.uniform(0.1, 3.0), size) for _ in range(count)]
 
 
-@pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, np.pi, 4.0, 6.0, -1.0, 20.0])
-def test_a_point_is_as_far_from_its_rotation_as_the_angle_the_shorter_way(angle) -> None:
-    shorter = min(np.mod(angle, TURN), TURN - np.mod(angle, TURN))
-    assert circular_wasserstein([0.7], [0.7 + angle]) == pytest.approx(shorter, abs=1e-14)
-
-
 def test_between_equal_samples_it_is_the_cheapest_assignment() -> None:
     for first, second in zip(samples(30, 1), samples(30, 2), strict=True):
         cost = apart(first, second)
         rows, columns = linear_sum_assignment(cost)
         assert circular_wasserstein(first, second) == pytest.approx(cost[rows, columns].mean(), abs=1e-13)
-
-
-def test_equally_spaced_points_are_half_a_step_over_two_from_uniform() -> None:
-    for count in (1, 2, 3, 10, 101):
-        spaced = 0.3 + TURN * np.arange(count) / count
-        assert circular_wasserstein(spaced, uniform) == pytest.approx(np.pi / (2 * count), abs=1e-9)
 
 
 def test_a_point_is_as_far_from_a_law_as_the_mean_distance_to_it() -> None:
@@ -122,16 +115,6 @@ def test_against_a_law_it_is_what_a_fine_sample_of_the_law_gives() -> None:
     fine = np.interp((np.arange(20_000) + 0.5) / 20_000, law.cumulative(grid), grid)
     for sample in samples(5, 3, 40):
         assert circular_wasserstein(sample, law) == pytest.approx(float(circular_wasserstein(sample, fine)), abs=1e-3)
-
-
-def test_it_is_a_metric_on_discrete_laws() -> None:
-    drawn = samples(14, 4)
-    table = np.array([[circular_wasserstein(a, b) for b in drawn] for a in drawn])
-    assert np.allclose(table, table.T, atol=1e-14)
-    assert np.allclose(np.diag(table), 0.0, atol=1e-15)
-    assert table[~np.eye(14, dtype=bool)].min() > 0.01
-    assert (table[:, None, :] <= table[:, :, None] + table[None, :, :] + 1e-13).all()
-    assert table.max() <= np.pi
 
 
 @pytest.mark.parametrize("turn", [0.1, 1.7, np.pi, 5.0])
@@ -168,16 +151,6 @@ def test_total_variation_of_hand_made_samples() -> None:
     assert total_variation([1.0], [4.0], bins=1) == 0.0
 
 
-def test_wasserstein_is_at_most_pi_times_total_variation_where_bins_hide_nothing() -> None:
-    random = np.random.default_rng(8)
-    centres = TURN * (np.arange(12) + 0.5) / 12
-    for _ in range(50):
-        first, second = random.choice(centres, 9), random.choice(centres, 14)
-        bound = np.pi * total_variation(first, second, bins=12)
-        assert circular_wasserstein(first, second) <= bound + 1e-12
-        assert bound <= 6 * circular_wasserstein(first, second) + 1e-12  # and mass moves a bin, TURN/12, at least
-
-
 def test_sampling_raises_total_variation_as_stated() -> None:
     drawn = np.random.default_rng(9).uniform(0.0, TURN, (400, 500))
     stated = 36 * np.sqrt((1 / 36) * (35 / 36) / (TURN * 500))
@@ -207,12 +180,123 @@ def test_turning_both_by_whole_bins_leaves_total_variation() -> None:
     ],
 )
 def test_bad_input_is_refused(measure, sample, law, match) -> None:
-    with pytest.raises(InvalidInput, match=match):
-        measure(sample, law)
+    refused(measure, sample, law, told=match)
 
 
 @pytest.mark.parametrize("bins", [0, -1, 2.5, 10**7])
 def test_bins_must_be_a_sensible_number(bins) -> None:
     for law in (uniform, [1.0, 2.0]):
-        with pytest.raises(InvalidInput, match="bins"):
-            total_variation([1.0], law, bins=bins)
+        refused(total_variation, [1.0], law, bins=bins, told="bins")
+
+
+STATISTICS = (kuiper_statistic, watson_statistic)
+
+
+def evenly(count: int, size: int, seed: int):
+    return np.random.default_rng(seed).uniform(0.0, TURN, (count, size))
+
+
+def test_equally_spaced_points_give_the_least_values_and_points_at_one_place_the_greatest() -> None:
+    for count in (1, 2, 7, 50):
+        spaced = 0.2 + TURN * np.arange(count) / count
+        assert kuiper_statistic(spaced, uniform) == pytest.approx(1.0 / count, abs=1e-12)
+        assert watson_statistic(spaced, uniform) == pytest.approx(1.0 / (12 * count), abs=1e-12)
+    assert kuiper_statistic([1.0] * 9, uniform) == pytest.approx(1.0, abs=1e-12)
+    assert watson_statistic([1.0] * 9, uniform) == pytest.approx(9 / 12, abs=1e-12)  # n Var(uniform)
+
+
+def test_watson_is_its_integral() -> None:
+    """U² = n ∫ (F - G - mean)² dG, with dG by the midpoint rule."""
+    sample, grid = evenly(1, 15, 1)[0], (np.arange(400_000) + 0.5) / 400_000
+    excess = np.searchsorted(np.sort(sample / TURN), grid) / 15 - grid
+    assert watson_statistic(sample, uniform) == pytest.approx(15 * np.var(excess), abs=1e-4)
+
+
+def test_kuiper_is_the_arc_that_differs_most() -> None:
+    sample = np.sort(evenly(1, 15, 2)[0]) / TURN
+    closed = [(j - i + 1) / 15 - (sample[j] - sample[i]) for i in range(15) for j in range(i, 15)]
+    empty = [sample[j] - sample[i] - (j - i - 1) / 15 for i in range(15) for j in range(i + 1, 15)]
+    around = [1.0 - (sample[j] - sample[i]) - (i + 14 - j) / 15 for i in range(15) for j in range(i, 15)]
+    assert kuiper_statistic(sample * TURN, uniform) == pytest.approx(max(closed + empty + around), abs=1e-12)
+
+
+@pytest.mark.parametrize("statistic", STATISTICS)
+@pytest.mark.parametrize("turn", [0.1, 2.0, np.pi, 5.5])
+def test_rotating_the_circle_or_its_origin_changes_nothing(statistic, turn) -> None:
+    sample = evenly(1, 30, 3)[0] ** 1.3
+    plain = float(statistic(sample, cardioid(0.8, 1.0)))
+    assert statistic(sample + turn, cardioid(0.8, 1.0 + turn)) == pytest.approx(plain, abs=1e-9)
+
+
+@pytest.mark.parametrize("statistic", STATISTICS)
+def test_a_change_of_variable_changes_nothing(statistic) -> None:
+    """Both depend on G(θ) alone."""
+    law, sample = CircularLaw(cardioid(0.9, 1.0)), evenly(1, 40, 4)[0]
+    straight = statistic(TURN * law.cumulative(sample), uniform)
+    assert statistic(sample, law) == pytest.approx(float(straight), abs=1e-12)
+    # Rows are measured each for itself.
+    rows = evenly(6, 20, 6)
+    together = statistic(rows.reshape(2, 3, 20), uniform)
+    assert together.shape == (2, 3)
+    assert together[1, 0] == pytest.approx(float(statistic(rows[3], uniform)), abs=1e-15)
+
+
+def test_it_counts_the_observed_value_and_those_equal_but_for_rounding_among_the_simulated() -> None:
+    found = monte_carlo_p_value(2.5, np.arange(101.0))
+    assert (found.value, found.runs, found.statistic) == (99 / 102, 101, 2.5)
+    assert found.null_quantiles.tolist() == pytest.approx([100 * level for level in PValue.LEVELS])
+    assert monte_carlo_p_value(9.0, np.arange(9)).value == 0.1
+    assert monte_carlo_p_value(0.3, [0.1 + 0.2, 0.3, 0.3 - 1e-16]).value == 1.0
+
+
+def test_it_is_valid_for_few_runs() -> None:
+    """Exchangeable values: P(p ≤ k/(runs + 1)) = k/(runs + 1) exactly."""
+    drawn = np.random.default_rng(1).normal(size=(4000, 20))
+    values = np.array([monte_carlo_p_value(row[0], row[1:]).value for row in drawn])
+    for k in (1, 2, 10):
+        assert np.mean(values <= k / 20 + 1e-12) == pytest.approx(k / 20, abs=4 * np.sqrt(k / 20 * (1 - k / 20) / 4000))
+
+
+def test_its_standard_error_is_that_of_repeated_simulation() -> None:
+    random = np.random.default_rng(2)
+    repeated = [monte_carlo_p_value(1.0, random.normal(size=200)) for _ in range(1500)]
+    spread = np.std([found.value for found in repeated])
+    assert np.mean([found.standard_error for found in repeated]) == pytest.approx(spread, rel=0.1)
+    assert monte_carlo_p_value(99.0, random.normal(size=200)).standard_error > 0.0
+
+
+@pytest.mark.parametrize(
+    ("call", "match"),
+    [
+        *((lambda one=one: one([], uniform), "at least one orientation") for one in STATISTICS),
+        *((lambda one=one: one([np.nan], uniform), "entry 0 is nan") for one in STATISTICS),
+        *((lambda one=one: one([1.0], lambda theta: 2 * uniform(theta)), "integrates to") for one in STATISTICS),
+        (lambda: monte_carlo_p_value(1.0, []), "no simulated values"),
+        (lambda: monte_carlo_p_value(np.nan, [1.0]), "observed must be a finite number"),
+        (lambda: monte_carlo_p_value(1.0, [1.0, np.inf]), "simulated must be finite"),
+    ],
+)
+def test_bad_input_of_a_statistic_or_a_p_value_is_refused(call, match) -> None:
+    refused(call, told=match)
+
+
+def test_modes_are_those_of_the_kernel_sum() -> None:
+    """The Fourier series against the sum of wrapped normal kernels, maximised on a fine grid."""
+    random = np.random.default_rng(1)
+    sample = np.concatenate([random.normal(1.0, 0.2, 60), random.normal(3.5, 0.3, 40)])
+    grid = np.linspace(0.0, TURN, 20_001)
+    kernels = sum(np.exp(-0.5 * ((grid[:, None] - sample + turn) / 0.25) ** 2) for turn in (-TURN, 0.0, TURN))
+    values = np.sum(kernels, axis=1)
+    tops = grid[1:-1][(values[1:-1] > values[:-2]) & (values[1:-1] > values[2:])]
+    assert kernel_modes(sample, 0.25) == pytest.approx(tops, abs=TURN / 20_000)
+    assert tops.size == 2
+
+
+def test_modes_turn_with_the_sample_and_a_uniform_one_has_none() -> None:
+    sample = np.random.default_rng(2).normal(6.1, 0.3, 200)
+    assert np.sort(np.mod(kernel_modes(sample) + 1.0, TURN)) == pytest.approx(kernel_modes(sample + 1.0), abs=1e-9)
+    assert kernel_modes(TURN * np.arange(100) / 100).size == 0
+
+
+def test_a_bandwidth_too_narrow_is_refused() -> None:
+    refused(kernel_modes, [0.0, 1.0], 0.001, told=r"bandwidth is 0\.001")

@@ -4,8 +4,9 @@ import math
 from pathlib import Path
 
 import pytest
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
 from cyclemap.mechanics import Pose
 
@@ -43,12 +44,8 @@ def test_drags_are_read_with_a_group_each(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_read_is_named_with_its_line(tmp_path: Path) -> None:
-    with pytest.raises(InvalidInput, match="no row has"):
-        read_measured_pushes(written(tmp_path, *ROWS), {"surface": "felt"})
-    with pytest.raises(DataFileError, match="tip_x0"):
-        read_measured_pushes(written(tmp_path, "1,2", header="x0,y0"))
+    refused(read_measured_pushes, written(tmp_path, *ROWS), {"surface": "felt"}, told="no row has")
+    refused(read_measured_pushes, written(tmp_path, "1,2", header="x0,y0"), told="tip_x0", kind=DataFileError)
     still = "abs,rect1,0,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.1,0,0.2"
-    with pytest.raises(DataFileError, match=r"line 3.*rod stays"):
-        read_measured_pushes(written(tmp_path, ROWS[2], still))
-    with pytest.raises(InvalidInput, match="moves nothing"):
-        MeasuredPush(Pose(), Pose(), (0.1, 0.0), (0.1, 0.0))
+    refused(read_measured_pushes, written(tmp_path, ROWS[2], still), told=r"line 3.*rod stays", kind=DataFileError)
+    refused(MeasuredPush, Pose(), Pose(), (0.1, 0.0), (0.1, 0.0), told="moves nothing")

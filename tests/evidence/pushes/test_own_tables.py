@@ -8,8 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
 from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
@@ -68,13 +69,11 @@ def test_a_spreadsheet_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> N
     whole = path.read_bytes()
     for content in (whole[:-40], whole[:600] + whole[640:]):
         path.write_bytes(content)
-        with pytest.raises(DataFileError, match="not a spreadsheet that can be read"):
-            read_own_table(path)
+        refused(read_own_table, path, told="not a spreadsheet that can be read", kind=DataFileError)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as parts:
         parts.writestr("xl/worksheets/sheet1.xml", b" " * 100_000_000)
     assert path.stat().st_size < 200_000
-    with pytest.raises(DataFileError, match="holds 100 MB, of at most 67; split it"):
-        read_own_table(path)
+    refused(read_own_table, path, told="holds 100 MB, of at most 67; split it", kind=DataFileError)
 
 
 def test_parquet_of_more_numbers_than_fit_is_refused_before_it_is_unpacked(tmp_path) -> None:
@@ -82,8 +81,7 @@ def test_parquet_of_more_numbers_than_fit_is_refused_before_it_is_unpacked(tmp_p
     path = tmp_path / "still.parquet"
     pandas.DataFrame({"yaw": np.zeros(10_000_000)}).to_parquet(path)
     assert path.stat().st_size < 200_000
-    with pytest.raises(DataFileError, match="holds 80 MB"):
-        read_own_table(path)
+    refused(read_own_table, path, told="holds 80 MB", kind=DataFileError)
 
 
 def test_columns_of_any_name_as_told(tmp_path) -> None:
@@ -209,8 +207,7 @@ def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, ki
     path = tmp_path / ("run.bag" if kind == "ros1" else "run")
     bag(path, kind)
     assert is_own(path)
-    with pytest.raises(DataFileError, match=r"--columns pose=TOPIC; with poses: /box, /tip"):
-        read_own_table(path)
+    refused(read_own_table, path, told=r"--columns pose=TOPIC; with poses: /box, /tip", kind=DataFileError)
     for place in (path, *path.glob("*.mcap")):
         found = read_own_table(place, {"pose": "/box"})
         assert is_own(place)
@@ -263,14 +260,11 @@ def test_what_cannot_be_read_is_refused_with_what_it_has_and_what_is_wanted(
 ) -> None:
     path = tmp_path / name
     path.write_text(content)
-    with pytest.raises(InvalidInput, match=message):
-        read_own_table(path, told)
+    refused(read_own_table, path, told, told=message)
 
 
 @pytest.mark.parametrize("suffix", [".xlsx", ".parquet", ".mcap"])
 def test_a_pipe_is_refused_and_not_waited_for_and_so_is_an_unknown_unit(tmp_path, suffix) -> None:
     os.mkfifo(tmp_path / f"pipe{suffix}")
-    with pytest.raises(DataFileError, match="is a pipe or a device"):
-        read_own_table(tmp_path / f"pipe{suffix}")
-    with pytest.raises(InvalidInput, match="--units turns"):
-        read_own_table(tmp_path / f"pipe{suffix}", units=["turns"])
+    refused(read_own_table, tmp_path / f"pipe{suffix}", told="is a pipe or a device", kind=DataFileError)
+    refused(read_own_table, tmp_path / f"pipe{suffix}", units=["turns"], told="--units turns")

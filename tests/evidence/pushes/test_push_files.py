@@ -11,8 +11,9 @@ import h5py
 import numpy as np
 import pytest
 from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, write
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file, write_push_file
 from cyclemap.mechanics.slider import Slider
@@ -21,10 +22,10 @@ RECT1 = Slider.mit("rect1").outline_points()
 
 
 def refusal(path: Path) -> str:
-    with pytest.raises(DataFileError) as refused:
+    with pytest.raises(DataFileError) as refusal:
         read_push_file(path)
-    assert str(refused.value).startswith(f"{path}: ")
-    return str(refused.value).removeprefix(f"{path}: ")
+    assert str(refusal.value).startswith(f"{path}: ")
+    return str(refusal.value).removeprefix(f"{path}: ")
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.2, -2.9, 3.5, -7.0, 20.0])
@@ -114,8 +115,7 @@ BAD_TABLES = [
 @pytest.mark.parametrize("suffix", ["h5", "json"])
 @pytest.mark.parametrize(("tables", "said"), BAD_TABLES)
 def test_bad_tables_are_refused_with_the_reason(tmp_path, suffix, tables, said) -> None:
-    with pytest.raises(DataFileError, match=said):
-        read_push_file(write(tmp_path / f"bad.{suffix}", tables()))
+    refused(read_push_file, write(tmp_path / f"bad.{suffix}", tables()), told=said, kind=DataFileError)
 
 
 @pytest.mark.parametrize(
@@ -258,8 +258,7 @@ def test_a_file_is_replaced_and_as_readable_as_any_other(tmp_path) -> None:
 
 
 def test_what_cannot_be_written_is_told_by_name(tmp_path) -> None:
-    with pytest.raises(InvalidInput, match=r"'\.csv' is no suffix of push data"):
-        write_push_file(tmp_path / "push.csv", PUSH)
+    refused(write_push_file, tmp_path / "push.csv", PUSH, told=r"'\.csv' is no suffix of push data")
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OSError, match=r"file/push\.h5 cannot be written \(File exists: .*file\)"):
@@ -275,8 +274,7 @@ def test_a_disk_that_is_full_leaves_the_old_file_and_nothing_else(tmp_path, suff
     limits, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) // 2, limits[1]))
     try:
-        with pytest.raises(OSError, match=r"cannot be written .*nothing was left half-written"):
-            write_push_file(path, PUSH)
+        refused(write_push_file, path, PUSH, told=r"cannot be written .*nothing was left half-written", kind=OSError)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         signal.signal(signal.SIGXFSZ, handler)

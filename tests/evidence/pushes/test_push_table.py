@@ -2,15 +2,14 @@
 
 import json
 import os
-from collections import Counter
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, turned, write
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.push_table import PUSH_COLUMNS, SCAN_COLUMNS, load_pushes, read_push_csv
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.text_files import read_csv_table
@@ -64,8 +63,7 @@ def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
 )
 def test_a_bad_table_is_refused_by_line_and_reported(tmp_path, text, said) -> None:
     path = csv(tmp_path, text)
-    with pytest.raises(DataFileError, match=said):
-        read_push_csv(path)
+    refused(read_push_csv, path, told=said, kind=DataFileError)
     loaded = load_pushes(tmp_path)
     assert tuple(loaded.table.columns) == PUSH_COLUMNS and loaded.table.empty and loaded.scans.empty
     assert [entry.path for entry in loaded.unreadable] == [path]
@@ -204,10 +202,8 @@ def test_bad_files_are_named_with_their_reasons_and_the_rest_is_kept(tmp_path) -
 
 def test_a_place_without_push_files_is_refused_by_name(tmp_path) -> None:
     (tmp_path / "notes.txt").write_text("nothing pushed yet")
-    with pytest.raises(InvalidInput, match=f"{tmp_path}: the folder holds no push data"):
-        load_pushes(tmp_path)
-    with pytest.raises(InvalidInput, match="there is nothing there"):
-        load_pushes(tmp_path / "none")
+    refused(load_pushes, tmp_path, told=f"{tmp_path}: the folder holds no push data")
+    refused(load_pushes, tmp_path / "none", told="there is nothing there")
 
 
 def test_a_closed_folder_is_reported(tmp_path, monkeypatch) -> None:
@@ -226,32 +222,3 @@ def test_a_closed_folder_is_reported(tmp_path, monkeypatch) -> None:
     assert [(entry.path, entry.reason) for entry in loaded.unreadable] == [
         (closed, "the folder cannot be entered (Permission denied)")
     ]
-
-
-MEASURED = {"butter": 40, "ellip1": 13, "ellip3": 10, "hex": 15, "rect1": 13}
-
-
-def raw_tables(path: Path) -> dict[str, np.ndarray]:
-    if path.suffix == ".json":
-        return {name: np.array(rows) for name, rows in json.loads(path.read_text()).items()}
-    with h5py.File(path) as file:
-        return {name: file[name][()] for name in file}
-
-
-@pytest.mark.slow
-def test_all_measured_files_load_and_agree_with_a_reading_by_homogeneous_matrices(measured_data: Path) -> None:
-    loaded = load_pushes(measured_data / "mit_files")
-    assert loaded.unreadable == () and loaded.scans.empty
-    assert Counter(loaded.table["object"]) == MEASURED and sum(MEASURED.values()) == 91
-    assert Counter(loaded.table["surface"]) == {"abs": 90, "plywood": 1}
-    for row in loaded.table.itertuples():
-        pose = raw_tables(Path(row.path))["object_pose"]
-        first, last = (
-            np.array([[np.cos(a), -np.sin(a), x], [np.sin(a), np.cos(a), y], [0, 0, 1]]) for _, x, y, a in pose[[0, -1]]
-        )
-        moved = np.linalg.solve(first, last)
-        assert (row.dx, row.dy) == pytest.approx((moved[0, 2], moved[1, 2]), abs=1e-12)
-        # No push of 50 mm turns these by half a turn: the matrix knows the whole turn.
-        assert row.dtheta == pytest.approx(np.arctan2(moved[1, 0], moved[0, 0]), abs=1e-9)
-        assert abs(row.dtheta) < 1.0 and row.samples == len(pose)
-        assert f"_v={1000 * row.speed:.0f}_i={row.side:.3f}_s={row.fraction:.3f}_t={row.angle:.3f}." in row.path

@@ -4,9 +4,9 @@ import math
 from dataclasses import replace
 
 import pytest
+from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import simulate_collection
@@ -52,8 +52,7 @@ def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
     again = simulate_collection(LOOP, folder, 3, cycle_loops=LOOPS, **given)
     assert (again.written, again.resumed) == (0, 3)
     for other in ({"cycle_loops": LOOPS[::-1]}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}, {}):
-        with pytest.raises(InvalidInput, match="asked for otherwise: cycle_by_cycle"):
-            simulate_collection(LOOP, folder, 3, **other, **given)
+        refused(simulate_collection, LOOP, folder, 3, told="asked for otherwise: cycle_by_cycle", **other, **given)
 
 
 @pytest.mark.parametrize(
@@ -69,6 +68,5 @@ def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
     ],
 )
 def test_cycles_that_do_not_fit_are_refused(tmp_path, given, said) -> None:
-    with pytest.raises(InvalidInput, match=said):
-        simulate_collection(LOOP, tmp_path / "made", 3, **given)
+    refused(simulate_collection, LOOP, tmp_path / "made", 3, told=said, **given)
     assert not (tmp_path / "made").exists()

@@ -261,15 +261,3 @@ def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measur
     other = measured_cycle_map(pairs, runs=2, seed=2).fitted.wear
     assert fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None, seed=2).wear.degree == 1
     assert other.degree == plywood(measured_data).fitted.wear.degree == 2
-
-
-@pytest.mark.slow
-def test_a_quarter_of_the_plywood_data_tells_of_that_quarter_alone(measured_data) -> None:
-    """The cycles that begin at 60 to 150°: what is told lies there, and no fixed point is claimed at the ghost."""
-    pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
-    place = np.degrees(np.mod(pairs.theta, TURN))
-    kept = (place >= 60.0) & (place <= 150.0)
-    state = measured_cycle_map(Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept])).late
-    told = np.degrees([one.theta for one in (*state.passages, *state.undecided, state.slowest)])
-    assert np.all((told >= 59.0) & (told <= 151.0))
-    assert not state.fixed_points

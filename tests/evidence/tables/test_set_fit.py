@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from made_sets import made_set, noisy_set, true_turn
+from refusals import refused
 from scipy.stats import wasserstein_distance
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import cycle_folds
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.tables.push_sets import push_statistics
 from cyclemap.evidence.tables.set_fit import motion_law, set_laws, turn_histogram
@@ -46,23 +46,6 @@ def test_the_two_tables_add_up_variance_is_that_of_the_law_and_that_about_it(ply
         assert row.std**2 == pytest.approx(of_law + found.law.rmse**2, rel=0.02)
         assert 100 * found.law.total_std / abs(found.law.mean) == pytest.approx(row.percent)
         assert 0.0 < found.explained < 1.0
-
-
-def test_the_histogram_of_simulated_plywood_is_predicted_within_chance(plywood) -> None:
-    found = motion_law("dtheta", plywood[0].theta, plywood[0].dtheta)
-    histogram = turn_histogram(found.theta, found.value, found.law, runs=60)
-    assert histogram.total_variation < histogram.chance_total_variation
-    assert histogram.law_alone_total_variation > histogram.total_variation
-
-
-def test_the_error_in_pushes_left_out_is_that_of_ten_laws_fitted_one_by_one() -> None:
-    pushes, fold, errors = noisy_set(3, 80), cycle_folds(80, 0), np.empty(80)
-    for one in range(10):
-        out = fold == one
-        without = fit_periodic_law(pushes.theta[~out], pushes.dtheta[~out], harmonics=2)
-        errors[out] = pushes.dtheta[out] - without(pushes.theta[out])
-    found = motion_law("dtheta", pushes.theta, pushes.dtheta, harmonics=2)
-    assert found.cross_validated_rmse == pytest.approx(np.sqrt(np.mean(errors**2)), rel=1e-9)
 
 
 def test_a_law_without_noise_explains_all_and_values_that_do_not_depend_on_the_angle_nothing() -> None:
@@ -154,9 +137,6 @@ def test_bad_input_is_refused_by_name() -> None:
     pushes, law = fitted()
     with pytest.raises(InvalidInput, match="all values are 1"):
         turn_histogram(np.arange(30.0), np.ones(30), fit_periodic_law(np.arange(30.0), np.ones(30), harmonics=0))
-    with pytest.raises(InvalidInput, match="bins must be at least 2"):
-        turn_histogram(pushes.theta, pushes.dtheta, law, bins=1)
-    with pytest.raises(InvalidInput, match="runs must be at least 1"):
-        turn_histogram(pushes.theta, pushes.dtheta, law, runs=0)
-    with pytest.raises(InvalidInput, match="entries"):
-        turn_histogram(pushes.theta[1:], pushes.dtheta, law)
+    refused(turn_histogram, pushes.theta, pushes.dtheta, law, bins=1, told="bins must be at least 2")
+    refused(turn_histogram, pushes.theta, pushes.dtheta, law, runs=0, told="runs must be at least 1")
+    refused(turn_histogram, pushes.theta[1:], pushes.dtheta, law, told="entries")
