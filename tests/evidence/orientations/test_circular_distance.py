@@ -9,14 +9,12 @@ from scipy.stats import vonmises
 from cyclemap.evidence import kernel_modes
 from cyclemap.evidence.orientations.circular_distance import (
     CircularLaw,
-    circular_wasserstein,
-    orientations,
-    total_variation,
-)
-from cyclemap.evidence.orientations.goodness_of_fit import (
     PValue,
+    circular_wasserstein,
     kuiper_statistic,
     monte_carlo_p_value,
+    orientations,
+    total_variation,
     watson_statistic,
 )
 
