@@ -123,20 +123,19 @@ def toml_text(
 
 def _body(path: str, table: Table, notes: Mapping[str, str]) -> Iterator[str]:
     """The lines of one table: its values first, notes above them, then its arrays of tables."""
-    nested = {key: value for key, value in table.items() if _is_array_of_tables(value)}
+    nested = {
+        key: value
+        for key, value in table.items()
+        if isinstance(value, (list, tuple)) and value and all(isinstance(row, Mapping) for row in value)
+    }
     for key, value in table.items():
         if key not in nested:
             yield from [f"# {notes[key]}"] if key in notes else []
             yield f"{_key(key)} = {_value(value)}"
     for key, rows in nested.items():
         inner = f"{path}.{_key(key)}"
-        assert isinstance(rows, (list, tuple))
         for row in rows:
             yield from ("", f"[[{inner}]]", *_body(inner, row, {}))
-
-
-def _is_array_of_tables(value: object) -> bool:
-    return isinstance(value, (list, tuple)) and bool(value) and all(isinstance(row, Mapping) for row in value)
 
 
 def _value(value: object) -> str:

@@ -83,10 +83,13 @@ class Theta0Pairs:
         """
         if self.path is None or self.cycle is None or self.path_cycle is None or (np.diff(self.path_cycle) <= 0).any():
             return self
-        place = np.searchsorted(self.path_cycle[:-2], self.cycle)
-        known = self.path_cycle[place] == self.cycle
-        gap = _shorter_way(np.rad2deg(self.path[place[known] + 1] - self.theta_next[known]))
-        broken = place[known][_is_large(gap)] + 1
+        # Where the next push stands in the path; one that is missing tells no gap.
+        ahead = np.searchsorted(self.path_cycle, self.cycle + 1.0)
+        known = np.isin(self.cycle + 1.0, self.path_cycle)
+        if not known.any():
+            return self
+        gap = _shorter_way(np.rad2deg(self.path[ahead[known]] - self.theta_next[known]))
+        broken = ahead[known][_is_large(gap)]
         ends = np.concatenate([[0], broken, [self.path.size]])
         longest = int(np.argmax(np.diff(ends)))
         stretch = slice(int(ends[longest]), int(ends[longest + 1]))

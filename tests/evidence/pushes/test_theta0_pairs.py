@@ -49,6 +49,15 @@ def test_missing_rep_makes_no_pair_across_the_gap(csv) -> None:
     assert degrees(read_theta0_pairs(csv(text)).theta_next) == [15.0, 20.0]
 
 
+def test_a_missing_rep_breaks_no_path_and_a_path_without_neighbours_stays_whole(csv) -> None:
+    """What happened in cycles that were not recorded is unknown, and no sign of a move."""
+    text = HEADER + "0,10.0,10.0,5.0,\n1,15.0,15.0,5.0,\n7,90.0,90.0,5.0,\n8,95.0,95.0,,\n"
+    pairs = read_theta0_pairs(csv(text))
+    assert pairs.unbroken.path_cycle.tolist() == [0.0, 1.0, 7.0, 8.0]
+    apart = read_theta0_pairs(csv(HEADER + "0,10.0,10.0,5.0,\n7,90.0,90.0,,\n"))
+    assert apart.unbroken.path.size == 2
+
+
 def test_two_columns_take_the_shorter_way_round(csv) -> None:
     pairs = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n350,10\n10,350\n100,100\n30,755\n"))
     assert degrees(pairs.turn) == [20.0, -20.0, 0.0, 5.0]
