@@ -175,7 +175,7 @@ def table_options(command: Callable[..., None]) -> Callable[..., None]:
     named = "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC for a bag."
     decorators: list[Callable[[Any], Any]] = [
         click.option("--columns", metavar="NAME=COLUMN,...", help=named),
-        click.option("--units", metavar="UNITS", help="Of its angles and lengths: deg or rad, mm, cm or m, by commas."),
+        click.option("--units", metavar="UNITS", help="Of angles, lengths, times: deg, mm, ms, ... by commas."),
     ]
     return decorated(command, decorators)
 

@@ -6,6 +6,7 @@ readings are possible of is guessed. A stream of one object's poses becomes push
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import math
@@ -28,12 +29,14 @@ Columns = dict[str, Array]
 
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
 TEXTS = (".csv", ".tsv", ".txt", ".dat")
-ANGLES, LENGTHS = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y", "length")
+ANGLES, _PLACES = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y")
 _QUATERNION = ("qx", "qy", "qz", "qw")
+LENGTHS = (*_PLACES, "length")
 _OTHERS = ("t", "episode", "repetition", "side", "fraction")
 KNOWN = (*ANGLES, *LENGTHS, *_OTHERS, *_QUATERNION)
-UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
-_ANGLE_UNITS, _LENGTH_UNITS = ("deg", "rad"), ("mm", "cm", "m")
+_ANGLE_UNITS, _LENGTH_UNITS = {"deg": math.pi / 180.0, "rad": 1.0}, {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
 
 _ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
 _BEFORE, _AFTER = r"(?:0|before|start|initial|init|pre|vorher|first)", r"(?:1|after|end|final|post|nachher|last)"
@@ -72,8 +75,12 @@ _SMOOTHED_SECONDS = 0.2
 _LONGEST_HEADER = 100_000
 # Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
 _LARGEST_DECODED = 2**26
-# Angles beyond this are no radians, places beyond this no metres of a table.
-_NO_RADIANS, _NO_METRES = 7.0, 3.0
+# Angles beyond this are no radians, not even where they go on past a turn; places beyond this no metres of a table.
+_NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
+# Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so on.
+_AN_EPOCH = 1e8
+# Seconds from row to row: beyond this a row is a push of its own.
+_A_CYCLE = 3.0
 
 
 @dataclass(frozen=True)
@@ -116,7 +123,7 @@ def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, u
 
     columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream t, x, y, theta (or
     the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A part of a list is named[i]. units : of
-    angles (deg, rad) and lengths (mm, cm, m). What is not told is guessed.
+    angles (deg, rad), lengths (mm, cm, m) and times (s, ms, us, ns). What is not told is guessed.
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     place = Path(path)
@@ -160,7 +167,7 @@ def _understood(
     words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
     found: Columns = {}
     for name, column in meaning.items():
-        factor, said = _factor(name, column, raw[column], units)
+        factor, said = _factor(name, meaning, raw, units)
         if growing and name in ANGLES and "guessed" in said:
             raise DataFileError(f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad")
         found[name] = factor * raw[column]
@@ -169,11 +176,14 @@ def _understood(
         x, y, z, w = (found.pop(name) for name in _QUATERNION)
         size = x * x + y * y + z * z + w * w
         found["theta"] = np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
-    if "theta" in found and "theta0" not in found and ("t" in found or "episode" in found):
-        found, more = _pushes(place, found)
-        words.append(more)
-    elif "theta" in found and "theta0" not in found:
-        found["theta0"] = found.pop("theta")
+    if "theta" in found and "theta0" not in found:
+        if _is_stream(place, found, any(" as t in s, guessed" in line for line in words)):
+            found, more = _pushes(place, found)
+            words.append(more)
+        else:
+            found["theta0"] = found.pop("theta")
+            if "t" in found or "episode" in found:
+                words.append("a row a push: its orientation the one before the push")
     return found, words, len(meaning) > len(told) or not units
 
 
@@ -219,10 +229,19 @@ def _text_table(path: Path, text: str) -> Any:
     if len(lines) < 2:
         raise DataFileError(f"{path}: {len(lines)} lines; a header and rows are wanted")
     separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
-    decimal = "." if separator == "," else ","
+    # A comma below a header of one name is a decimal one.
+    if separator not in lines[0]:
+        separator = ";"
     try:
-        return pandas.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
-    except (ValueError, pandas.errors.ParserError) as error:
+        rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
+        names = len(rows[0])
+        # pandas would take the first column of longer rows for their names, and move all others by one.
+        for row in rows:
+            if any(field.strip() for field in row[names:]):
+                raise DataFileError(f"{path}: {len(row)} fields below {names} names: {separator.join(row)[:80]}")
+        form = {"sep": separator, "decimal": "." if separator == "," else ",", "skipinitialspace": True}
+        return pandas.read_csv(io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form)
+    except (ValueError, csv.Error, pandas.errors.ParserError) as error:
         raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
 
 
@@ -234,6 +253,9 @@ def _numbers(path: Path, frame: Any) -> Columns:
         if column.dtype.kind not in "iufb":
             text = column.astype("string").str.strip().str.replace(",", ".", regex=False)
             column = pandas.to_numeric(text, errors="coerce")
+            if column.isna().all():
+                moment = pandas.to_datetime(text, errors="coerce", format="ISO8601", utc=True)
+                column = (moment - pandas.Timestamp(0, tz="UTC")).dt.total_seconds()
         found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
     if not any(np.isfinite(values).any() for values in found.values()):
         raise DataFileError(f"{path}: no column of numbers among {', '.join(map(str, frame.columns))[:200]}")
@@ -337,7 +359,7 @@ def _bare(column: str) -> tuple[str, str]:
     """A column's name without its unit, and the unit; both in small letters."""
     name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
     # One bracket, not a run of them: the search takes no longer than the name is.
-    found = re.search(r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters)[\])]*$", name)
+    found = re.search(r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters|s|ms|us|ns)[\])]*$", name)
     told = name[: found.start()].rstrip("_[(") if found else ""
     if found and told:
         return told.strip("_"), _UNIT_WORDS.get(found.group(1), found.group(1))
@@ -377,25 +399,55 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
     return meaning
 
 
-def _factor(name: str, column: str, values: Array, units: Sequence[str]) -> tuple[float, str]:
-    """SI units of one unit of a column, and how that is said."""
-    kinds = _ANGLE_UNITS if name in ANGLES else _LENGTH_UNITS if name in LENGTHS else ()
+def _factor(name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]) -> tuple[float, str]:
+    """SI units of one unit of a column, and how that is said. All angles, and all places, are guessed to be alike."""
+    alike = ANGLES if name in ANGLES else _PLACES if name in _PLACES else (name,)
+    kinds = _ANGLE_UNITS if name in ANGLES else _LENGTH_UNITS if name in LENGTHS else _TIME_UNITS if name == "t" else {}
     if not kinds:
         return 1.0, ""
     told = next((unit for unit in units if unit in kinds), None)
     if told is not None:
         return UNITS[told], f" in {told}"
-    named = _bare(column)[1]
-    if named in kinds:
-        return UNITS[named], f" in {named}, by its name"
-    known = values[np.isfinite(values)]
-    reach = float(np.abs(known).max()) if known.size else 0.0
-    small, large, limit = ("rad", "deg", _NO_RADIANS) if name in ANGLES else ("m", "mm", _NO_METRES)
-    unit = large if reach > limit else small
-    return UNITS[unit], f" in {unit}, guessed: it reaches {reach:.4g}"
+    named = {one: _bare(meaning[one])[1] for one in alike if one in meaning}
+    if named[name] in kinds:
+        return UNITS[named[name]], f" in {named[name]}, by its name"
+    others = {unit for unit in named.values() if unit in kinds}
+    if len(others) == 1:
+        return UNITS[unit := others.pop()], f" in {unit}, as its like"
+    values = [raw[meaning[one]] for one, unit in named.items() if unit not in kinds]
+    reaches = [float(np.abs(column[np.isfinite(column)]).max(initial=0.0)) for column in values]
+    least, most = min(reaches), max(reaches)
+    if name == "t" and most > _AN_EPOCH:
+        # A count since 1970: its size tells the unit.
+        unit = list(_TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
+        return UNITS[unit], f" in {unit} since 1970"
+    if name == "t":
+        unit = "s"
+    elif name in ANGLES:
+        unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
+    else:
+        unit = "m" if most <= _NO_METRES else "mm"
+    return UNITS[unit], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
 
 
 # -- from streams and rows to pushes ---------------------------------------------------------------------------------
+
+
+def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
+    """Whether rows follow a moving object, several to a push; `guessed`: the unit of its times is."""
+    if "episode" in found:
+        return bool((np.diff(found["episode"]) == 0.0).any())
+    if "t" not in found:
+        return False
+    step = float(np.median(np.diff(found["t"])))
+    if not step > 0.0:
+        raise DataFileError(f"{path}: its times do not rise from row to row; mend them, or say --columns theta0=NAME")
+    if _REST_SECONDS < step < _A_CYCLE or (guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()):
+        raise DataFileError(
+            f"{path}: {step:g} s from row to row: do several rows follow one push, or is each a push of its own? Say "
+            "the unit of its times, --units s or ms; where each row is a push, leave the times out"
+        )
+    return step <= _REST_SECONDS
 
 
 def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:

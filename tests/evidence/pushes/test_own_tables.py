@@ -52,6 +52,36 @@ def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(tmp_path
     assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["Orientation [deg]", *(f"{x:.4f}".replace(".", ",") for x in WRAPPED)],
+        ["yaw_deg,mark,", *(f"{x},1," for x in WRAPPED)],
+        ["yaw_deg,mark", *(f"{x},1," for x in WRAPPED)],
+        ["t,trial,yaw_deg", *(f"{9.3 * n:.2f},{n},{x}" for n, x in enumerate(WRAPPED))],
+        ["t,yaw_deg", *(f"{9.3 * n:.2f},{x}" for n, x in enumerate(WRAPPED))],
+        ["time,yaw_deg", *(f"2026-11-20T10:{n // 6:02}:{n % 6}0,{x}" for n, x in enumerate(WRAPPED))],
+    ],
+    ids=["decimal commas alone", "trailing commas", "trailing commas below", "a row a trial", "a row a push", "dates"],
+)
+def test_a_row_a_push_is_read_as_it_stands(tmp_path, lines) -> None:
+    """No column is taken for another's, no list of orientations for a stream of poses."""
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(lines) + "\n")
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+
+
+def test_all_angles_and_all_places_are_guessed_in_one_unit(tmp_path) -> None:
+    """Orientations after a push go on past a turn, and one end of a table in millimetres may lie near its origin."""
+    path = tmp_path / "poses.csv"
+    ends = np.radians(np.array(WRAPPED) + 100.0)
+    starts = zip(np.radians(WRAPPED), ends, strict=True)
+    path.write_text("x0,y0,yaw0,x1,y1,yaw1\n" + "".join(f"0.1,1.5,{a},40,-70,{b}\n" for a, b in starts))
+    found = read_own_table(path).columns
+    assert ends.max() > 7.0 and found["theta1"] == pytest.approx(ends)
+    assert found["x0"] == pytest.approx(1e-4) and found["y1"] == pytest.approx(-0.07)
+
+
 def test_an_excel_export(tmp_path) -> None:
     pytest.importorskip("openpyxl")
     path = tmp_path / "log.xlsx"
@@ -146,6 +176,11 @@ def test_a_stream_of_poses_is_cut_at_its_rests_into_pushes_and_drags(tmp_path) -
     frame.to_csv(path, index=False)
     found = read_own_table(path)
     assert any("4 motions" in line for line in found.words)
+    for unit, first in (("ms", 0), ("ns", 1_700_000_000_000_000_000)):
+        counts = first + np.round(t * {"ms": 1e3, "ns": 1e9}[unit]).astype(np.int64)
+        frame.assign(timestamp=counts).to_csv(tmp_path / "counts.csv", index=False)
+        again = read_own_table(tmp_path / "counts.csv", units=["ms"] if unit == "ms" else [])
+        assert again.columns["theta0"] == pytest.approx(found.columns["theta0"], abs=1e-6)
     assert np.degrees(found.columns["theta0"]) == pytest.approx([10.0, 22.0], abs=0.2)
     turned = np.degrees(found.columns["theta1"] - found.columns["theta0"])
     assert turned == pytest.approx([65.0, 64.0], abs=0.4)
@@ -251,6 +286,9 @@ def test_an_mcap_file_of_another_house_is_refused_with_what_to_write_instead(tmp
         ("short.csv", "yaw\n12\n", {}, "1 pushes|0 pushes"),
         ("turned.csv", "qx,qy,qz\n0,0,1\n0,0,1\n", {}, "of a quaternion all of qx, qy, qz, qw are wanted"),
         ("told.csv", "yaw\n1\n2\n", {"theta0": "yaww"}, "no column yaww for theta0; it has yaw"),
+        ("wide.csv", "yaw,mark\n1,2,3\n4,5,6\n", {}, "3 fields below 2 names: 1,2,3"),
+        ("when.csv", "t,yaw\n0,1\n33,2\n66,3\n", {}, "do several rows follow one push, .* --units s or ms"),
+        ("back.csv", "t,yaw\n3,1\n2,2\n1,3\n", {}, "its times do not rise"),
         ("fake.xlsx", "yaw\n1\n2\n", {}, "not a spreadsheet that can be read"),
         ("fake.parquet", "yaw\n1\n2\n", {}, "not parquet that can be read"),
     ],
