@@ -11,7 +11,7 @@ from cyclemap.cli.json_report import Json, json_text, number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.collection_file import collection_text, loop_tables
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.setting_table import NOISE_KEY
@@ -50,10 +50,14 @@ def run_identify(
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
     surface, fixed = None if start is None else load_material(start), fixed_values(fix)
-    loop, chosen = chosen_loop(LoopOptions("isotropic", protocol, settings), data[0])[0], selected_values(select)
+    options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
+    loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
     space = starting_space(loop, surface)
     with progress_bar("reading") as report:
-        collected = collected_blocks(data, loop, chosen, first=first, wear=wear, most=most, progress=report)
+        collected = collected_blocks(
+            data, loop, chosen, first=first, wear=wear, most=most, progress=report,
+            push_length=loop.push.distance if "push_mm" in told else None,
+        )  # fmt: skip
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
     named = named or tuple(one for one in telling_parameters(collected.blocks) if one not in fixed)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)

@@ -18,6 +18,7 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
@@ -40,7 +41,6 @@ _SAME_LENGTH = 0.5e-3
 # A rod that seems to begin farther from the object, as a share of its way, is in another frame than the object.
 _LONGEST_GAP = 0.2
 _NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
-_NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 _NO_OUTLINE = "its outline is not told: give its material file, or put it with the data as collection.toml"
 
 
@@ -199,7 +199,7 @@ class _Rows:
         found, theta = self["length"], self["theta0"]
         if np.isnan(self["tip_x0"]).all():
             return np.where(np.isnan(found), length, found)
-        push = _told_push(loop.push, self.facts, loop.push.distance)
+        push = told_push(loop.push, self.facts, loop.push.distance)
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
         x, y = self["tip_x0"] - self["x0"], self["tip_y0"] - self["y0"]
         tip = np.stack([np.cos(theta) * x + np.sin(theta) * y, np.cos(theta) * y - np.sin(theta) * x], axis=-1)
@@ -250,19 +250,13 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
         far = rows.lengths(length, loop_of_set)
         kept = posed & np.isfinite(far)
         left_out[_NO_POSES] += int(np.sum(~posed))
-        left_out[_NO_LENGTH] += int(np.sum(posed & ~kept))
+        left_out[NO_LENGTH] += int(np.sum(posed & ~kept))
         if not kept.any():
             continue
-        push = tuple(_told_push(loop.push, facts, one) for one in far[kept].tolist())
+        push = tuple(told_push(loop.push, facts, one) for one in far[kept].tolist())
         displacement = np.stack([rows["dx"][kept], rows["dy"][kept]], axis=-1)
         made.append(PushSet(facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement))
     return made
-
-
-def _told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePush:
-    """The push as the data tell it; what they do not tell stays as it is."""
-    told = {"side": facts["side"], "fraction": facts["fraction"], "angle": facts["angle"], "distance": length}
-    return replace(push, **{name: value for name, value in told.items() if not np.isnan(value)})
 
 
 def _cycles(
@@ -281,9 +275,9 @@ def _cycles(
             loop = CollectionLoop.from_settings({"shape": rows.facts["object"]}, loop)
         far = float(np.median(rows.lengths(length, loop)))
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
-            left_out[f"cycles: {_NO_LENGTH}"] += most
+            left_out[f"cycles: {NO_LENGTH}"] += most
             return None, np.empty(0), None, 0, loop
-        own, push = loop.push, _told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
+        own, push = loop.push, told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
         # One push, but for the three decimals of a file's name and the robot's own errors, is the loop's.
         near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
         if push.side != own.side or not near or abs(push.distance - own.distance) > _SAME_LENGTH:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
@@ -28,13 +29,15 @@ from cyclemap.evidence.data_blocks.force_blocks import (
 from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.pushes.measured_strokes import (
+    NO_LENGTH,
     CsvSelection,
     MeasuredPush,
     read_measured_drags,
     read_measured_pushes,
+    told_push,
 )
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, UnreadableFile
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
 from cyclemap.text_files import read_csv_table
@@ -52,8 +55,8 @@ _COLUMNS = {
 }
 _ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
-    "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses and tip "
-    "(x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1), of drag-backs (x1,y1,th1,x0n,y0n,th0n), of orientations "
+    "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses (x0,y0,th0,x1,y1,th1), better with "
+    "the tip (tip_x0,tip_y0,tip_x1,tip_y1), of drag-backs (x1,y1,th1,x0n,y0n,th0n), of orientations "
     "(theta0_deg), or of wrenches and twists (fx,fy,m_over_rho,vx,vy,w_times_rho)"
 )
 
@@ -91,17 +94,18 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
             unused.append(UnreadableFile(file, f"a file of another kind ({file.suffix or 'no suffix'})"))
             continue
         try:
-            header = read_csv_table(file).header
+            table = read_csv_table(file)
         except DataFileError as error:
             unused.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
             continue
-        columns = set(header)
+        columns = set(table.header)
         sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
-        if any(columns >= names for names in _ORIENTATIONS) or (not sorts and columns >= _START | _END):
+        posed = not sorts and all(named_column(table, one) for one in ENDS)
+        if posed or any(columns >= names for names in _ORIENTATIONS):
             sorts.append(CYCLES)
         found += [(file, sort) for sort in sorts]
         if not sorts:
-            unused.append(UnreadableFile(file, f"a CSV table of unknown columns ({', '.join(header[:8])})"))
+            unused.append(UnreadableFile(file, f"a CSV table of unknown columns ({', '.join(table.header[:8])})"))
     if not found and not unused:
         unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
     return found, unused
@@ -114,8 +118,11 @@ class BlockBuilder:
     builder was turned to last.
     """
 
-    def __init__(self, loop: CollectionLoop, first: int, wear: bool, most: int, nodes: int) -> None:
+    def __init__(
+        self, loop: CollectionLoop, first: int, wear: bool, most: int, nodes: int, push_length: float | None
+    ) -> None:
         self.given, self.first, self.wear, self.most, self.nodes = loop, first, wear, most, nodes
+        self.push_length = math.nan if push_length is None else push_length
         self.path, self.plate, self.loop = Path(), loop.slider.name, loop
         self.blocks: list[DataBlock] = []
         self.plates: list[str] = []
@@ -174,6 +181,24 @@ class BlockBuilder:
             block = CyclePairBlock("cycles", loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
             self.last_cycle = max(self.last_cycle, float(np.max(since)))
             self.add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
+
+    def add_posed(self, table: pandas.DataFrame) -> None:
+        """Add ends of pushes without the places of the rod: it went from its first touch on as the loop's does."""
+        posed = table[["x0", "dtheta"]].notna().all(axis=1) & ~(table["repetition"] < self.first)
+        rows = table[posed].to_dict("records")
+        pushes: list[MeasuredPush] = []
+        for row in rows:
+            length = self.push_length if math.isnan(row["length"]) else row["length"]
+            if math.isnan(length):
+                continue
+            push = told_push(self.loop.push, row, length)
+            place, way = first_contact(self.loop.slider, push, self.loop.pusher.radius)
+            start = Pose(row["x0"], row["y0"], row["theta0"])
+            end = Pose(row["x1"], row["y1"], row["theta1"])
+            tips = start.to_world(*place), start.to_world(*(place + push.distance * way))
+            pushes.append(MeasuredPush(start, end, *tips, contact=len(pushes)))
+        self.leave_out(Counter({f"ends of pushes: {NO_LENGTH}": len(rows) - len(pushes)}))
+        self._add_push_ends(pushes)
 
     def _add_pushes(self, table: pandas.DataFrame, progress: Progress | None) -> None:
         """Add ends and forces of recorded pushes."""

@@ -59,16 +59,20 @@ def collected_blocks(
     wear: bool = False,
     most: int = MOST_STROKES,
     nodes: int = NODES,
+    push_length: float | None = None,
     progress: Progress | None = None,
 ) -> CollectedBlocks:
     """Return the blocks of all data in files, folders and trees.
 
     paths : files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles where they are
-        repeated), CSV tables of push ends with tip, of drag-backs, of orientations or repeated poses, of wrenches and
-        twists. loop : who is pushed where, with which rod and ring.
+        repeated), CSV tables of push ends with the tip's places or without (then it went as the loop's does, from its
+        first touch on), of drag-backs, of orientations, of wrenches and twists. loop : who is pushed where, with which
+        rod and ring.
     select : values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Objects are all those of the MIT
         dataset that the data name, or the selected one; of an outline of the loop's own, that one alone.
     first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
+    push_length : how far the rod of pushes went from its first touch, m, where tables of poses do not tell; None leaves
+        the ends of such pushes out.
     most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `CyclePairBlock`;
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
 
@@ -84,7 +88,7 @@ def collected_blocks(
     elif loop.slider.name not in MIT_SHAPE_NAMES:
         objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
     selection = RowSelection(objects, chosen)
-    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes)
+    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes, push_length)
     found = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in found for file in known))
     unused = list(dict.fromkeys(file for _, others in found for file in others))
@@ -134,6 +138,7 @@ def _add(
         builder.turn_to(plate)
         if sort == CYCLES:
             builder.add_cycles(own)
+            builder.add_posed(own.table)
         else:
             builder.add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
     return surfaces, objects

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes, named_column
-from cyclemap.mechanics import Pose
+from cyclemap.mechanics import Pose, SidePush
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
 # Facts of the push table by which rows are selected.
@@ -22,6 +22,7 @@ FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
 Place = tuple[float, float]
 # The robot was further than this from where it was sent: the push is not the one that was asked for.
 LARGEST_TIP_ERROR = 5e-3
+NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
 _DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
 
@@ -195,6 +196,12 @@ def read_measured_pushes(path: str | Path, select: Mapping[str, str] | None = No
         except InvalidInput as cause:
             raise table.error(row.line, str(cause)) from cause
     return tuple(pushes)
+
+
+def told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePush:
+    """Return the push that a row of a table tells, and its length; what is NaN stays as in ``push``."""
+    told = {"side": facts["side"], "fraction": facts["fraction"], "angle": facts["angle"], "distance": length}
+    return replace(push, **{name: value for name, value in told.items() if not math.isnan(value)})
 
 
 def read_measured_drags(path: str | Path, select: Mapping[str, str] | None = None) -> tuple[MeasuredDrag, ...]:

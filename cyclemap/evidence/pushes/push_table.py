@@ -40,7 +40,7 @@ COLUMN_NAMES: dict[str, dict[str, float | None]] = {
     "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
     "theta_next": {"theta_next": 1.0, "th0n": 1.0},
 }
-_ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
+ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 _RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
@@ -88,7 +88,7 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
     unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
-    if all(named_column(table, column) for column in _ENDS):
+    if all(named_column(table, column) for column in ENDS):
         doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
         return [unknown | _pose_row(table, row) for row in table.rows]
     pairs = read_theta0_pairs(table.path)
@@ -102,7 +102,7 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     found = {column: column_value(table, row, column) for column in COLUMN_NAMES}
-    for column in _ENDS:
+    for column in ENDS:
         limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
         if not abs(found[column]) <= limit:
             value = f"{column} is {found[column]:g}"

@@ -9,6 +9,7 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import (
     CyclePairBlock,
@@ -21,7 +22,7 @@ from cyclemap.evidence import (
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import starting_space
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, load_material
+from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, Pose, SidePush, load_material
 
 pytestmark = pytest.mark.slow
 
@@ -146,6 +147,26 @@ def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
     found = collected_blocks([tmp_path], LOOP)
     assert (cycles_of(found).loop.push.side, cycles_of(found).loop.push.fraction) == (1, 0.4)
     assert any("forces not used" in note or "force ratios" in note for note in found.notes)
+
+
+def test_poses_alone_tell_the_push_whose_rod_went_as_the_protocol_says(tmp_path) -> None:
+    """The same prediction as from a table with the rod's places, and none where its way is unknown."""
+    loop = replace(LOOP, push=SidePush(side=1, fraction=0.4, angle=0.2, distance=0.05))
+    bare, full = [], []
+    for theta in np.linspace(0.3, 6.0, 8):
+        start = Pose(0.1, -0.05, theta)
+        place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
+        tips = [*start.to_world(*place), *start.to_world(*(place + 0.05 * way))]
+        poses = f"{start.x},{start.y},{theta},0.12,-0.06,{theta + 0.3}"
+        bare.append(poses + "\n")
+        full.append(f"{poses},{','.join(map(str, tips))}\n")
+    header = "x0,y0,theta0,x1,y1,theta1"
+    told = write(tmp_path / "full.csv", f"{header.replace('eta', '')},tip_x0,tip_y0,tip_x1,tip_y1\n", full)
+    alone = write(tmp_path / "bare.csv", f"{header}\n", bare)
+    refused(collected_blocks, [alone], loop, told="8 left out: ends of pushes: .* add a column push_mm, or set push_mm")
+    (known,), (found,) = (collected_blocks([path], loop, push_length=0.05).blocks for path in (told, alone))
+    values = TRUTH | SurfaceParameters.from_friction(SLATE.friction).values()
+    assert found.residuals(values)[0] == pytest.approx(known.residuals(values)[0], abs=1e-9)
 
 
 def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp_path) -> None:
