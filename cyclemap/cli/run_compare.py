@@ -90,7 +90,7 @@ def compare_report(material: str, found: Comparison) -> Json:
             "kind": found.prediction.kind,
             "noise_deg": number(math.degrees(math.sqrt(found.prediction.noise.variance))),
             "posterior_samples": len(found.prediction.samples),
-            "refitted": found.refitted,
+            "refitted": False,  # a loop follows from its settings: nothing was fitted to these data
         },
         "data": {
             "cycles": 0 if found.data.pairs is None else found.data.pairs.theta.size,

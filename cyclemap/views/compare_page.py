@@ -64,7 +64,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         told = (data_sentence(found), summary_sentence(found))
         kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
         noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
-        foot = f"predicted by the {kinds.get(found.prediction.kind, 'fit')}{noise}{sets}"
+        foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}"
         style.write_page(figure, headline(name, found), told, foot)
     return figure
 
@@ -174,8 +174,6 @@ def data_sentence(found: Comparison) -> str:
 def trust_sentences(found: Comparison) -> list[str]:
     """What to know before the p-values are believed."""
     told = [f"Not certified: {one}." for one in found.uncertified]
-    if found.refitted:
-        told.append("The prediction was fitted to these data: it was fitted again on every simulated collection.")
     correlation = 0.0 if found.cycle is None else found.cycle.lag_correlation or 0.0
     if found.orientations is not None and abs(correlation) > CORRELATED:
         told.append(

@@ -23,7 +23,7 @@ from cyclemap.evidence.comparison.cycle_agreement import (
     orientation_agreement,
     staircase_agreement,
 )
-from cyclemap.evidence.comparison.prediction import Prediction, as_prediction, refit_rule
+from cyclemap.evidence.comparison.prediction import Prediction, as_prediction
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     QuantityAgreement,
@@ -60,9 +60,6 @@ class Comparison:
     prediction, data : both as they were used; ``data.left_out`` counts what was not.
     pushes : Δθ, Δx, Δy, one entry a set of pushes, the largest first. cycle : the cycle map.
     orientations : the histogram. directions : stable directions and slow zones. staircase : turns, steps, residences.
-    refitted : whether the prediction had been fitted to these very data, and was fitted again on every simulated
-        collection for the p-values of the map, the orientations and the turns. The p-values of directions, steps and
-        residences are too large then.
     uncertified : what could not be computed to its tolerance, in words.
     """
 
@@ -73,7 +70,6 @@ class Comparison:
     orientations: OrientationAgreement | None
     directions: DirectionAgreement | None
     staircase: StaircaseAgreement | None
-    refitted: bool
     uncertified: tuple[str, ...] = ()
 
     @property
@@ -114,10 +110,10 @@ def compare(
 
     Parameters
     ----------
-    prediction : a ``CollectionLoop`` (its mechanics), a ``CircleMap`` or ``DriftingMap`` with ``noise``, or
-        a ``FittedMap`` (the worn map where it has wear). Cycle n of a map that wears is push n.
+    prediction : a ``CollectionLoop`` (its mechanics), or a ``CircleMap`` or ``DriftingMap`` with ``noise``. Cycle n of
+        a map that wears is push n.
     data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
-    noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees.
+    noise : of one cycle; None takes 1.1 degrees for a loop.
     first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
     select : the surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that are compared.
     push_length : how far the rod moved, m, where the data do not tell; None leaves such pushes out.
@@ -131,11 +127,10 @@ def compare(
     time. Of orientations alone nothing of that is known: the protocol is taken to have made them.
 
     P-values come from simulated collections, as long as the measured one and from the same start, under the predicted
-    map and noise: autocorrelation and wear are in them. Where the prediction was fitted to these very pairs - told by
-    fitting them again - every simulated collection is fitted again too. Where a loop's material has a posterior, each
-    simulated collection is of one of its samples, and errors of means hold what the parameters leave open. The noise of
-    successive cycles is taken as independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values
-    are too small.
+    map and noise: autocorrelation and wear are in them. Of a map that was fitted to these very data they are too large
+    (``collection_p_values`` can fit again). Where a loop's material has a posterior, each simulated collection is of
+    one of its samples, and errors of means hold what the parameters leave open. The noise of successive cycles is taken
+    as independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too small.
 
     Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file, ConvergenceError
     where the loop's cycle map cannot be computed.
@@ -165,19 +160,17 @@ def compare(
 def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
     """All but the pushes: the cycle map, and where the order of the pushes is known what follows from it."""
     pairs, path, first = data.pairs, data.path, data.path_first
-    empty = Comparison(prediction, data, (), None, None, None, None, False)
+    empty = Comparison(prediction, data, (), None, None, None, None)
     if pairs is None:
         return empty
     if path is None or path.size < FEWEST_CYCLES:
         return replace(empty, cycle=cycle_agreement(prediction, pairs, data.cycle))
-    refit = refit_rule(prediction.given, pairs, data.cycle, first)
-    uncertain, start = prediction.null(first), float(path[0])
+    uncertain, start = prediction.model(first, uncertain=True), float(path[0])
     ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
-        path, uncertain, statistics, runs=runs, seed=seed, refit=refit,
-        ensemble=None if refit else ensemble, progress=lambda done: report(0.5 * done),
-    )  # fmt: skip
+        path, uncertain, statistics, runs=runs, seed=seed, ensemble=ensemble, progress=lambda done: report(0.5 * done)
+    )
     null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
     summary: StaircaseSummary | None = None
     uncertified: tuple[str, ...] = ()
@@ -187,16 +180,11 @@ def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed:
     except ConvergenceError as error:
         uncertified = (f"stable directions and visits: {error}",)
     fixed = None if prediction.is_drifting else summary
-    stairs = staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done))
-    if refit is not None:
-        # The number of turns with the p-value that knows of the fit.
-        stairs = replace(stairs, turns=replace(stairs.turns, p_value=tested["turns"]))
     return replace(
         empty,
         cycle=cycle_agreement(prediction, pairs, data.cycle, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
-        staircase=stairs,
-        refitted=refit is not None,
+        staircase=staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done)),
         uncertified=uncertified,
     )

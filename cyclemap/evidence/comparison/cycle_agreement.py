@@ -81,13 +81,15 @@ def cycle_agreement(
     prediction: Prediction, pairs: Theta0Pairs, cycle: Array, p_value: PValue | None = None
 ) -> CycleAgreement:
     """Set measured pairs, that begin with the pushes ``cycle`` (n,), beside the predicted map."""
-    predicted, best = prediction.turn(pairs.theta, cycle), None
+    (predicted, *sampled), best = prediction.turns(pairs.theta, cycle), None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
-    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), None
+    # How well the material's parameters fix the mean: its standard deviation over the samples.
+    model_error = float(np.std(np.mean(sampled, axis=1), ddof=1)) if sampled else 0.0
+    isotropic = None
     if isinstance(prediction.given, CollectionLoop):
         with suppress(UnsupportedContact):
             # On a surface without direction the turn of a cycle is one for all θ0.

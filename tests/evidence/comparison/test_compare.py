@@ -1,4 +1,4 @@
-"""compare: every kind of prediction and data, the truth kept and a wrong law refused, fits told and fitted again."""
+"""compare: every kind of prediction and data, the truth kept and a wrong law refused."""
 
 from dataclasses import replace
 
@@ -8,10 +8,10 @@ from made_collections import NOISE, SINE, WORN, own_pushes, pairs_of, pose_row, 
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence import Theta0Pairs, collection_p_values, compare, fit_map, simulated_ensemble
+from cyclemap.evidence import Theta0Pairs, collection_p_values, compare, simulated_ensemble
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.cycle_agreement import map_misfit
-from cyclemap.evidence.comparison.prediction import as_prediction, refit_rule
+from cyclemap.evidence.comparison.prediction import as_prediction
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.mechanics import MaterialPosterior
 
@@ -33,7 +33,6 @@ def test_the_true_law_is_kept_in_every_question() -> None:
     assert [one.agrees for one in truth.verdicts] == [True] * 8
     assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1)
     assert truth.cycle.noise == pytest.approx(0.15)
-    assert not truth.refitted
     width = 2 * np.pi / truth.orientations.predicted.density.size
     for histogram in (truth.orientations.measured, truth.orientations.predicted):
         assert histogram.density.sum() * width == pytest.approx(1.0)
@@ -71,36 +70,6 @@ def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
     assert still.orientations.watson.value <= 0.02
     assert shifted.cycle.p_value.value <= 0.02
     assert right.staircase.theory is None
-
-
-FITS = {
-    "two harmonics": lambda pairs: fit_map(pairs.theta, pairs.theta_next, harmonics=2),
-    "fitted": lambda pairs: fit_map(pairs.theta, pairs.theta_next),
-    "worn": lambda pairs: fit_map(pairs.theta, pairs.theta_next, cycle=np.arange(200.0)),
-}
-
-
-@pytest.mark.parametrize("kind", FITS)
-def test_a_fit_to_the_very_data_is_told_and_fitted_again(kind) -> None:
-    pairs, cycle = sine_pairs(200), np.arange(200.0)
-    given = FITS[kind](pairs)
-    assert refit_rule(given, sine_pairs(200, seed=1), cycle, 0) is None
-    again, predicted = refit_rule(given, pairs, cycle, 0)(pairs.path), as_prediction(given, None, 200)
-    grid = np.linspace(0.0, 6.0, 20)
-    for number in (0, 150):
-        maps = [one if isinstance(one, CircleMap) else one.at(number) for one in (again.map, predicted.map)]
-        assert np.abs(maps[0](grid) - maps[1](grid)).max() < 2e-3
-    assert again.noise.sigma == pytest.approx(predicted.noise.sigma)
-
-
-@pytest.mark.slow
-def test_the_refitted_null_is_used_where_the_fit_is_of_these_data(quick) -> None:
-    pairs, others = sine_pairs(120), sine_pairs(120, seed=7)
-    fits = [fit_map(some.theta, some.theta_next, harmonics=1) for some in (pairs, others)]
-    own, other = (compare(fitted, pairs, runs=19) for fitted in fits)
-    assert (own.refitted, other.refitted) == (True, False)
-    assert own.cycle.agreement.rms < other.cycle.agreement.rms
-    assert abs(own.cycle.bias) < 1e-12
 
 
 def test_pairs_without_an_order_compare_the_map_alone() -> None:
@@ -146,7 +115,7 @@ def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_say
         friction = replace(loop.material.friction, mu_a=mu_a * ratio)
         truth = replace(loop, material=replace(loop.material, friction=friction)).circle_map(1e-4)
         path = sample_staircase(truth, quiet, 200, 0.5, number).theta
-        for name, model in (("known", prediction.null(0)), ("alone", prediction.model(0))):
+        for name, model in (("known", prediction.model(0, uncertain=True)), ("alone", prediction.model(0))):
             ensemble = simulated_ensemble(prediction.model(0), 0.5, path.size, 20, seed=9)
             found = collection_p_values(path, model, {"map": map_misfit}, runs=99, ensemble=ensemble)
             refused[name] += found["map"].value <= 0.1
