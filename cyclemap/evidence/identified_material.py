@@ -13,9 +13,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.force_blocks import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, StrokeBlock
-from cyclemap.evidence.identification.data_block import PRIOR_KIND, PlateBlock
+from cyclemap.evidence.identification.data_block import PRIOR_KIND
 from cyclemap.evidence.identification.identify import Estimate, Identification, plate_shares
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
@@ -177,33 +175,29 @@ class IdentifiedCurves:
     cycles: tuple[CycleFit, ...]
 
 
-def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
-    """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
+def identified_curves(found: Identification, scans: Array | None = None, seed: int = 0) -> IdentifiedCurves:
+    """Compute what is drawn of an identification; `scans` : (s, 2) tractions of its friction scans."""
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
     worn = worn_friction_of(found.values)
     strokes, cycles = [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
-        plain = block.block if isinstance(block, PlateBlock) else block
-        if isinstance(plain, StrokeBlock):
-            measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
+        if block.motions is None:
+            continue
+        theta, turn = block.motions.T
+        if block.curve is None:
             # Each stroke's last row is its turn, those before its place.
-            *place, turn = errors.reshape(measured.size, -1).T
-            strokes.append(StrokeFit(block.name, measured, measured + turn, np.stack(place, -1) if place else None))
-        elif isinstance(plain, CyclePairBlock):
-            values = {name: found.values[own] for name, own in zip(plain.parameters, block.parameters, strict=True)}
-            turns = []
-            for worn_by in (0.0, 1.0) if plain.share is not None else (0.0,):
-                share = None if plain.share is None else np.full(_AROUND.size, worn_by)
-                grid = replace(plain, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=share)
-                turns.append(grid.residuals(values)[0])
-            late = turns[1] if plain.share is not None else None
-            cycles.append(CycleFit(block.name, plain.theta, plain.turn, _AROUND, turns[0], late))
+            *place, off = errors.reshape(turn.size, -1).T
+            strokes.append(StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None))
+        else:
+            values, wears = block.own_values(found.values), any(one.startswith("worn_") for one in block.parameters)
+            late = block.curve(values, _AROUND, True) if wears else None
+            cycles.append(CycleFit(block.name, theta, turn, _AROUND, block.curve(values, _AROUND, False), late))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
         np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
-        None if scans is None else scans.traction,
+        scans,
         "friction_scale" in found.problem.space.names,
         tuple(strokes),
         tuple(cycles),

@@ -12,20 +12,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
-    ScanForces,
     force_ratio_block,
     friction_scan_block,
     read_wrench_twists,
+    scan_traction,
     sliding_forces,
     wrench_twist_block,
 )
-from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.stroke_block import cycle_pair_block, drag_turn_block, push_end_block
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.pushes.measured_strokes import (
     CsvSelection,
@@ -120,7 +121,7 @@ class BlockBuilder:
         self.blocks: list[DataBlock] = []
         self.plates: list[str] = []
         self.notes: list[str] = []
-        self.scans: list[ScanForces] = []
+        self.scans: list[Array] = []
         self.last_cycle = 0.0
 
     def turn_to(self, plate: str) -> None:
@@ -148,7 +149,7 @@ class BlockBuilder:
         self.leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
         if np.any(known):
             table, weight = {name: column[known] for name, column in columns.items()}, self.loop.model.weight
-            self.scans.append(ScanForces(**table, weight=weight))
+            self.scans.append(scan_traction(table, weight))
             self.add(friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
         self.add_cycles(pushes)
         self._add_pushes(pushes.table, progress)
@@ -171,7 +172,7 @@ class BlockBuilder:
             loop = replace(self.loop, push=replace(self.loop.push, **place))
             since = number[late] - self.first
             share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
-            block = CyclePairBlock("cycles", loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
+            block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
             self.last_cycle = max(self.last_cycle, float(np.max(since)))
             self.add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
 

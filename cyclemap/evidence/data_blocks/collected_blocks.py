@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import OWN_OUTLINE
@@ -19,9 +22,8 @@ from cyclemap.evidence.data_blocks.block_builders import (
     loop_of_plate,
     recognise,
 )
-from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import NODES, TIP_OFFSET
-from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
+from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
 from cyclemap.mechanics import MIT_SHAPE_NAMES
@@ -36,17 +38,17 @@ _OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
 class CollectedBlocks:
     """Blocks of data of one surface, of one object or of several.
 
-    blocks : of unlike names; of several objects each is a `PlateBlock`. notes : what was recognised, what was left out
+    blocks : of unlike names; of several objects each is that of a plate. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
-    scans : forces of friction scans, None without. last_cycle : number of the last cycle behind the first one used, 0
-    where it is unknown.
+    scans : (n, 2) tractions of friction scans, None without. last_cycle : number of the last
+    cycle behind the first one used, 0 where it is unknown.
     """
 
     blocks: tuple[DataBlock, ...]
     notes: tuple[str, ...]
     surface: str | None
     loop: CollectionLoop
-    scans: ScanForces | None
+    scans: Array | None
     last_cycle: float
 
 
@@ -69,7 +71,7 @@ def collected_blocks(
     select : values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Objects are all those of the MIT
         dataset that the data name, or the selected one; of an outline of the loop's own, that one alone.
     first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
-    most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `CyclePairBlock`;
+    most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `cycle_pair_block`;
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
 
     A push of a repeated set tells its end and its cycle's end: their errors are taken as independent.
@@ -104,7 +106,7 @@ def collected_blocks(
             raise InvalidInput(f"no such {facts}; {listed}")
         raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
     notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
-    scans = ScanForces.joined(builder.scans) if builder.scans else None
+    scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
     return CollectedBlocks(_named_apart(builder), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
 
@@ -143,12 +145,12 @@ def _named_apart(builder: BlockBuilder) -> tuple[DataBlock, ...]:
     """The blocks, of several plates each with its plate's, and with a number behind names that several have."""
     blocks = builder.blocks
     if len(set(builder.plates)) > 1:
-        blocks = [PlateBlock(block, plate, _OWNED) for block, plate in zip(blocks, builder.plates, strict=True)]
+        blocks = [block.of_plate(plate, _OWNED) for block, plate in zip(blocks, builder.plates, strict=True)]
     counts, seen, named = Counter(block.name for block in blocks), Counter[str](), []
     for block in blocks:
         if counts[block.name] > 1:
             seen[block.name] += 1
-            block = replace(block, name=f"{block.name} {seen[block.name]}")  # type: ignore[type-var]
+            block = replace(block, name=f"{block.name} {seen[block.name]}")
         named.append(block)
     return tuple(named)
 
@@ -159,8 +161,7 @@ def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     Ellipse, offset and pusher friction wherever a block depends on them, how each plate presses and each data set's
     frame is shifted, friction in the ring with drags or cycles, and how the surface wears.
 
-    >>> from cyclemap.evidence.identification.data_block import FunctionBlock
-    >>> telling_parameters([FunctionBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
+    >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}

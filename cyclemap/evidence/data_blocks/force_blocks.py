@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values, checked_labels, set_fields
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
@@ -47,45 +47,31 @@ RATIO_KIND = "force ratio (1)"
 SLIDING, STICKING = 0.1, 0.03
 
 
-@dataclass(frozen=True, eq=False)
-class ScanForces:
-    """direction (n,) : rad, of the motion. force_along, force_across (n,) : N, of the rod. weight : N, of the object.
+def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
+    """Return direction (rad) and the rod's forces along and across (N) of friction scans, (3, n); see the block."""
+    missing = [name for name in SCAN_FIELDS if name not in scans]
+    if missing:
+        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
+    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
+    if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
+        raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
+    for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
+        raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
+    return np.array(columns)
 
-    Raises InvalidInput where lengths differ or a number is not finite (NaN: leave such scans out).
 
-    >>> ScanForces([0.0], [2.0], [0.5], 8.0).traction.tolist()
+def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> Array:
+    """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an object, weight N.
+
+    >>> scan_traction({"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}, 8.0).tolist()
     [[0.25, 0.0625]]
     """
-
-    direction: Array
-    force_along: Array
-    force_across: Array
-    weight: float
-
-    def __post_init__(self) -> None:
-        columns = [np.array(getattr(self, name), dtype=float) for name in SCAN_FIELDS]
-        if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
-            raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
-        for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
-            raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
-        set_fields(self, **{name: read_only(column) for name, column in zip(SCAN_FIELDS, columns, strict=True)})
-        positive_number("weight", self.weight)
-
-    @classmethod
-    def joined(cls, parts: Sequence[ScanForces]) -> ScanForces:
-        """Return several sets of scans of one object as one."""
-        direction, along, across = (np.concatenate([getattr(part, name) for part in parts]) for name in SCAN_FIELDS)
-        return cls(direction, along, across, parts[0].weight)
-
-    @property
-    def traction(self) -> Array:
-        """(n, 2) traction coefficient along x and y of the world."""
-        way = np.stack([np.cos(self.direction), np.sin(self.direction)], axis=-1)
-        left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
-        return np.asarray((self.force_along[:, None] * way + self.force_across[:, None] * left) / self.weight)
+    direction, along, across = scan_columns(scans)
+    c, s = np.cos(direction), np.sin(direction)
+    return np.stack([along * c - across * s, along * s + across * c], axis=-1) / positive_number("weight", weight)
 
 
-def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> FunctionBlock:
+def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> DataBlock:
     """Return friction scans as a block of data.
 
     scans : columns `direction` (rad, of the motion in the world), `force_along` and `force_across` (N, of the rod on
@@ -104,11 +90,9 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
     True
     """
-    missing = [name for name in SCAN_FIELDS if name not in scans]
-    if missing:
-        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
-    given = ScanForces(**{name: np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS}, weight=weight)
-    direction, measured = given.direction, np.stack([given.force_along, given.force_across], axis=-1).ravel()
+    positive_number("weight", weight)
+    direction, *forces = scan_columns(scans)
+    measured = np.stack(forces, axis=-1).ravel()
     # Directions that differ by full turns are one.
     step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
     found, number = np.unique(np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True)
@@ -118,7 +102,7 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
         force, jacobian = _predicted(values, direction, weight)
         return force - measured, jacobian
 
-    return FunctionBlock("friction scans", ELLIPSE, function, groups, np.full(len(measured), SCAN_KIND))
+    return DataBlock("friction scans", ELLIPSE, function, groups, np.repeat(SCAN_KIND, measured.size))
 
 
 def friction_ellipse_from_scans(
@@ -253,13 +237,11 @@ def read_wrench_twists(
         raise DataFileError(f"{table.path}: {cause}") from cause
 
 
-def wrench_twist_block(
-    data: WrenchTwists, outline: Outline, weight: float, groups: Labels | None = None
-) -> FunctionBlock:
+def wrench_twist_block(data: WrenchTwists, outline: Outline, weight: float) -> DataBlock:
     """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and shares of the weight.
 
-    outline : of the object, in the frame of the data. weight : N. groups : (n,) whole numbers, pairs that share their
-    errors; None: pairs of one place of contact (`WrenchTwists.contact_pieces`), which do not need their order.
+    outline : of the object, in the frame of the data. weight : N. Pairs of one place of contact share their errors
+    (`WrenchTwists.contact_pieces`).
 
     The wrench is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991), and D is
     linear in the shares. The torque is divided by the outline's extent, so that all rows are in N.
@@ -274,7 +256,7 @@ def wrench_twist_block(
     >>> from cyclemap.mechanics import Slider
     >>> square, twist = Slider.mit("rect1").outline, [[0.0, 0.01, 0.0]]
     >>> block = wrench_twist_block(WrenchTwists([[0.0, 2.0, 0.0]], twist), square, 8.0)
-    >>> residual, _ = block.residuals({"friction_scale": math.log(0.25), "rim_share": 0.3})
+    >>> residual, _ = block.residuals(SurfaceParameters(math.log(0.25), rim_share=0.3).values())
     >>> bool(np.allclose(residual, 0.0, atol=1e-12))
     True
     """
@@ -294,9 +276,9 @@ def wrench_twist_block(
         by_mechanics = np.column_stack([force, *(mean * part.ravel() for part in by_shares)])
         return force - measured, surface.chain(by_mechanics, parameters, parameters)
 
-    labels = data.contact_pieces(outline) if groups is None else checked_labels("wrenches", groups, len(data.twist))
+    groups = np.repeat(data.contact_pieces(outline), 3)
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
-    return FunctionBlock("wrenches", parameters, function, np.repeat(labels, 3), kinds)
+    return DataBlock("wrenches", parameters, function, groups, kinds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,7 +295,7 @@ class SlidingForces:
     sticking: int
 
 
-def force_ratio_block(sliding: SlidingForces) -> FunctionBlock:
+def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     """Return the ratios of sliding pieces as a block of data that depends on `pusher_friction`; a group a push.
 
     Whether the rod slides is read off the motion, not off the forces, so that the noise of the forces does not bias the
@@ -336,7 +318,7 @@ def force_ratio_block(sliding: SlidingForces) -> FunctionBlock:
 
     single = len(np.unique(sliding.push)) == 1
     groups = np.arange(len(measured)) if single else sliding.push
-    return FunctionBlock("force ratios", ("pusher_friction",), function, groups, np.full(len(measured), RATIO_KIND))
+    return DataBlock("force ratios", ("pusher_friction",), function, groups, np.repeat(RATIO_KIND, measured.size))
 
 
 def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float = MIT_ROD_RADIUS) -> SlidingForces:

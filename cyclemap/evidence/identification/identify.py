@@ -114,7 +114,7 @@ def kind_errors(
     nothing, found = np.full(len(fit.residuals), np.nan), []
     told = [fit.residuals, *(nothing if one is None else one for one in (left_out, isotropic))]
     for number, block in enumerate(problem.blocks):
-        for kind in np.unique(np.asarray(block.kinds)).tolist():
+        for kind in np.unique(block.kinds).tolist():
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
@@ -234,11 +234,11 @@ def identify(
     """Identify the `free` parameters from blocks of data by maximum likelihood.
 
     Friction and rod are shared by all blocks; what belongs to a plate or to a data set is an unknown of its own there
-    (`PlateBlock`), so that any number of data sets of any plates and sorts is explained at once.
+    (`DataBlock.of_plate`), so that any number of data sets of any plates and sorts is explained at once.
 
     Parameters
     ----------
-    blocks : the data; a block with an attribute `own_parameters` (tuple of Parameter) adds those to `space`.
+    blocks : the data; the `own_parameters` of a block are added to `space`.
     free : names to be identified. fixed : values of others; what is not given has its nominal value, and a note.
     priors : beliefs (value, standard deviation) about free parameters, in SI units; see `usual_beliefs`.
     starts : searches, the first from the natural start, the rest spread about it (seeded).
@@ -250,11 +250,10 @@ def identify(
 
     Raises InvalidInput for names or numbers that do not fit, ConvergenceError if no start has an answer.
 
-    >>> from cyclemap.evidence.identification.data_block import FunctionBlock
     >>> x = np.linspace(0.0, 1.0, 8)
     >>> data = 0.2 + 0.01 * np.cos(40.0 * x)
     >>> law = lambda v: (v["pusher_friction"] - data, np.ones((8, 1)))
-    >>> found = identify([FunctionBlock("ratios", ("pusher_friction",), law, range(8), "ratio")], ["pusher_friction"])
+    >>> found = identify([DataBlock("ratios", ("pusher_friction",), law, range(8), "ratio")], ["pusher_friction"])
     >>> print(found["pusher_friction"])
     pusher_friction 0.1986 (0.1919 to 0.2053)
     """
@@ -294,7 +293,7 @@ def _problem(
 ) -> tuple[JointProblem, list[str]]:
     """The problem, and a note for every value that was not given."""
     for block in blocks:
-        space = space.extended(*getattr(block, "own_parameters", ()))
+        space = space.extended(*block.own_parameters)
     both = sorted(set(free) & set(fixed))
     if both or not free:
         raise InvalidInput(f"name what is free, and give no value for it: free {list(free)}, also fixed {both}")

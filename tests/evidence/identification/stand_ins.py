@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.evidence import FunctionBlock, friction_scan_block
+from cyclemap.evidence import DataBlock, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem, Values
 from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import Fit
@@ -49,7 +49,7 @@ def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
     return np.concatenate([turn, shift]), np.stack([np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1)
 
 
-def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray) -> FunctionBlock:
+def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray) -> DataBlock:
     """A block whose data are the law at TRUTH plus `noise` (2 n,); the two rows of a direction are one group."""
     data = law(TRUTH, directions)[0] + noise
     kinds = {"forces": ("force (1)", "force (1)"), "motions": ("turn (rad)", "shift (m)")}[law.__name__]
@@ -59,10 +59,10 @@ def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarr
         return predicted - data, jacobian
 
     groups = np.tile(np.arange(len(directions)), 2)
-    return FunctionBlock(name, parameters, function, groups, np.repeat(kinds, len(directions)))
+    return DataBlock(name, parameters, function, groups, np.repeat(kinds, len(directions)))
 
 
-def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan") -> FunctionBlock:
+def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan") -> DataBlock:
     rng = np.random.default_rng([seed, 1])
     directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
     return block(name, forces, ELLIPSE, directions, noise * rng.standard_normal(2 * count))
@@ -70,7 +70,7 @@ def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = 
 
 def motion_block(
     count: int = 16, turn_noise: float = 0.0, shift_noise: float = 0.0, seed: int = 0, shared: float = 0.0
-) -> FunctionBlock:
+) -> DataBlock:
     """`shared`: share of the variance that the turn and the shift of a push have in common."""
     rng = np.random.default_rng([seed, 2])
     directions = rng.uniform(0.0, 2 * np.pi, count)

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import t as student
 from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
-from cyclemap.evidence import FunctionBlock, Parameter, ParameterSpace, identify
+from cyclemap.evidence import DataBlock, Parameter, ParameterSpace, identify
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import fit_with_noise
@@ -21,13 +21,13 @@ DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
 def level_of(data: np.ndarray, groups: np.ndarray, kinds: object = "m") -> JointProblem:
     """The mean of some data."""
     design = np.ones((len(data), 1))
-    block = FunctionBlock("level", ("level",), lambda v: (v["level"] - data, design), groups, kinds)
+    block = DataBlock("level", ("level",), lambda v: (v["level"] - data, design), groups, kinds)
     return JointProblem((block,), LINE.select(("level",)), {})
 
 
 @pytest.fixture
 def line() -> JointProblem:
-    block = FunctionBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
+    block = DataBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
     return JointProblem((block,), LINE, {})
 
 
@@ -86,7 +86,7 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
 
     names = ("pin", "lever", "idle")
     space = ParameterSpace(tuple(Parameter(name, "", "1", 0.1, 3.0, 0.6, 0.1) for name in names))
-    found = identify([FunctionBlock("product", names, law, np.arange(12), "1")], names, space=space, starts=1)
+    found = identify([DataBlock("product", names, law, np.arange(12), "1")], names, space=space, starts=1)
     assert np.all(np.isinf(found.uncertainty.standard_error))
     assert len(found.uncertainty.open) == 2 and "idle is not fixed by the data" in found.notes
     assert any(f"{a} and {b} trade off" in " ".join(found.notes) for a, b in (names[:2], names[1::-1]))
@@ -94,7 +94,7 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
 
 
 def test_motion_alone_leaves_the_scale_of_friction_open_and_forces_fix_it() -> None:
-    blind = FunctionBlock("still", ("friction_scale",), lambda v: (X, np.zeros((12, 1))), np.arange(12), "1")
+    blind = DataBlock("still", ("friction_scale",), lambda v: (X, np.zeros((12, 1))), np.arange(12), "1")
     held = {name: TRUTH[name] for name in ("pusher_friction", "rim_share")}
     motion = JointProblem((blind, motion_block(20, 0.02, 0.002)), SURFACE.select(ELLIPSE), held)
     told = uncertainty(motion, fit_with_noise(motion, motion.space.start)).open

@@ -9,7 +9,7 @@ from refusals import refused
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, hold_as_often_as_they_say, holds_truth, motion_block
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence import FunctionBlock, SurfaceParameters, identified_material, identify
+from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
@@ -19,7 +19,7 @@ NAMES = (*ELLIPSE, "pusher_friction", "rim_share")
 SPACE = SURFACE.select(NAMES)
 
 
-def blocks(noise: float, seed: int = 0, count: int = 16, shared: float = 0.0) -> tuple[FunctionBlock, FunctionBlock]:
+def blocks(noise: float, seed: int = 0, count: int = 16, shared: float = 0.0) -> tuple[DataBlock, DataBlock]:
     return force_block(noise=noise, seed=seed), motion_block(count, 2 * noise, 0.2 * noise, seed, shared)
 
 
@@ -71,7 +71,7 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed(
 
 
 def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> None:
-    still = FunctionBlock("still", ("corner_share",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
+    still = DataBlock("still", ("corner_share",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
     pushes = motion_block(20, 0.02, 0.002)
     found = identify([pushes, still], [*MOTION[:4], "corner_share"], {"pusher_friction": 0.17}, starts=2)
     share = found["corner_share"]

@@ -7,7 +7,7 @@ import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence import FunctionBlock, SurfaceParameters
+from cyclemap.evidence import DataBlock, SurfaceParameters
 from cyclemap.evidence.identification.data_block import JointProblem, Values
 from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import NoiseLaw, fit_with_noise, multi_start, spread_starts
@@ -24,7 +24,7 @@ def means(*samples: tuple[str, np.ndarray]) -> JointProblem:
     """The mean of several samples, each a kind of its own: the textbook's common mean."""
     data, kinds = np.concatenate([s for _, s in samples]), np.concatenate([[k] * len(s) for k, s in samples])
     design, groups = np.ones((len(data), 1)), np.arange(len(data))
-    block = FunctionBlock("means", ("offset_x",), lambda v: (v["offset_x"] - data, design), groups, kinds)
+    block = DataBlock("means", ("offset_x",), lambda v: (v["offset_x"] - data, design), groups, kinds)
     return JointProblem((block,), SURFACE.select(("offset_x",)), {})
 
 
@@ -74,7 +74,7 @@ def with_holes(problem: JointProblem, threshold: float, error: type[Exception]) 
             raise error("no answer there")
         return block.residuals(values)
 
-    holed = FunctionBlock("holed", MOTION, law, block.groups, block.kinds)
+    holed = DataBlock("holed", MOTION, law, block.groups, block.kinds)
     return JointProblem((problem.blocks[0], holed), problem.space, {})
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.evidence import MeasuredPush, SurfaceParameters, identified_material, identify, push_end_block
+from cyclemap.evidence import DataBlock, MeasuredPush, SurfaceParameters, identified_material, identify, push_end_block
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, predicted_push_ends, surface_model
-from cyclemap.evidence.identification.data_block import PlateBlock, usual_beliefs
+from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.mechanics import Pose, Slider
 
@@ -25,7 +25,7 @@ OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
 PUSHES = 30
 
 
-def collection(seed: int, wild: int = 0) -> list[PlateBlock]:
+def collection(seed: int, wild: int = 0) -> list[DataBlock]:
     """Pushes of both plates by the mechanics, with noise; `wild` of each end somewhere else altogether."""
     rng, blocks = np.random.default_rng(seed), []
     for plate, shares in SHARES.items():
@@ -46,7 +46,7 @@ def collection(seed: int, wild: int = 0) -> list[PlateBlock]:
         ends += rng.standard_normal(ends.shape) * [1e-3, 1e-3, 0.01]
         ends[:wild] += [0.03, -0.02, 0.5]
         measured = [replace(push, end=Pose(*end)) for push, end in zip(pushes, ends.tolist(), strict=True)]
-        blocks.append(PlateBlock(push_end_block(measured, slider), plate, OWNED))
+        blocks.append(push_end_block(measured, slider).of_plate(plate, OWNED))
     return blocks
 
 
