@@ -49,7 +49,7 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     seen = values > _RANK * np.max(values, initial=0.0)
     inverse = vectors[:, seen] / values[seen] @ vectors[:, seen].T
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
-    by_weights, freedom = kind_variance(jacobian, inverse, kinds, False if fit.known is None else fit.known)
+    by_weights, freedom = kind_variance(jacobian, inverse, kinds, fit.known)
     by_weights /= law.information
     if len(np.unique(problem.groups)) == len(problem.groups):
         covariance = inverse / law.information + 2.0 * by_weights

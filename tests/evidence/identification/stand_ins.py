@@ -7,7 +7,7 @@ import numpy as np
 from cyclemap.evidence import DataBlock, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem, Values
 from cyclemap.evidence.identification.identifiability import uncertainty
-from cyclemap.evidence.identification.least_squares import Fit
+from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw, multi_start
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 
@@ -77,6 +77,11 @@ def motion_block(
     common, own = rng.standard_normal(count), rng.standard_normal((2, count))
     both = np.sqrt(shared) * common + np.sqrt(1.0 - shared) * own
     return block("pushes", motions, MOTION, directions, np.concatenate([turn_noise * both[0], shift_noise * both[1]]))
+
+
+def fitted(problem: JointProblem, start: Any, law: NoiseLaw | None = None, known: Any = None) -> Fit:
+    """The fit from one start."""
+    return multi_start(problem, np.asarray(start)[None], law, known).best
 
 
 def holds_truth(problem: JointProblem, fit: Fit, truth: Values) -> np.ndarray:

@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
+from stand_ins import ELLIPSE, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import DataBlock, Parameter, ParameterSpace
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identify import cross_validate, kind_errors, random_folds
-from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 X = np.linspace(0.0, 1.0, 12)
@@ -32,7 +31,7 @@ def test_left_out_errors_of_a_linear_law_are_those_of_the_hat_matrix(size: int) 
     groups = np.arange(12) // size
     parabola = DataBlock("p", SPACE.names, lambda v: (DESIGN @ SPACE.vector(v) - DATA, DESIGN), groups, "1")
     problem = JointProblem((parabola,), SPACE, {})
-    fit = fit_with_noise(problem, SPACE.start)
+    fit = fitted(problem, SPACE.start)
     hat = DESIGN @ np.linalg.inv(DESIGN.T @ DESIGN) @ DESIGN.T
     expected = [
         np.linalg.solve(np.eye(size) - hat[rows, rows], fit.residuals[rows])
@@ -56,7 +55,7 @@ def test_random_folds_keep_groups_whole_and_deal_every_block_evenly(joint) -> No
 
 
 def test_rows_of_no_fold_always_stay_and_sizes_are_told_by_block_and_kind(joint) -> None:
-    fold, fit = np.where(joint.block_index == 1, joint.groups % 2, -1), fit_with_noise(joint, joint.space.start)
+    fold, fit = np.where(joint.block_index == 1, joint.groups % 2, -1), fitted(joint, joint.space.start)
     left_out, _ = cross_validate(joint, fit, fold)
     assert np.array_equal(np.isfinite(left_out), joint.block_index == 1)
     table = kind_errors(joint, fit, left_out)
@@ -79,6 +78,6 @@ def test_a_fold_without_an_answer_is_recorded_and_its_rows_stay_unknown() -> Non
 
     problem = JointProblem((replace(whole, part=fragile),), SURFACE.select(whole.parameters), {})
     fold = random_folds(problem, 4)
-    found, failures = cross_validate(problem, fit_with_noise(problem, problem.space.vector(TRUTH)), fold)
+    found, failures = cross_validate(problem, fitted(problem, problem.space.vector(TRUTH)), fold)
     assert len(failures) == 1 and "cannot do without the first push" in failures[0]
     assert np.count_nonzero(np.isnan(found)) == np.count_nonzero(fold == fold[0]) == 8

@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from refusals import refused
-from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, hold_as_often_as_they_say, holds_truth, motion_block
+from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, hold_as_often_as_they_say, holds_truth, motion_block
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.identification.data_block import JointProblem
-from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 
@@ -46,7 +45,7 @@ def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups_and
     for seed in range(200):
         problem = JointProblem(blocks(0.01, seed, count, shared), SPACE, {})
         rows = tuple(replace(block, groups=np.arange(len(block.groups))) for block in problem.blocks)
-        fit = fit_with_noise(problem, SPACE.start)
+        fit = fitted(problem, SPACE.start)
         grouped.append(holds_truth(problem, fit, TRUTH))
         single.append(holds_truth(replace(problem, blocks=rows), fit, TRUTH))
     if shared:
@@ -76,7 +75,6 @@ def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> No
     found = identify([pushes, still], [*MOTION[:4], "corner_share"], {"pusher_friction": 0.17}, starts=2)
     share = found["corner_share"]
     assert (share.lower, share.upper, share.identifiable, share.standard_error) == (0.0, 1.0, False, np.inf)
-    assert str(share) == "corner_share not identifiable"
     assert "corner_share is not fixed by the data" in found.notes
     assert "rim_share was neither free nor given: taken as 0" in found.notes
     assert found["offset_x"].identifiable

@@ -1,7 +1,6 @@
 """What is published adds up, and the distribution of a run is that of its noisy cycles."""
 
 import math
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -21,6 +20,7 @@ def test_means_follow_from_either_table_within_four_percent():
     for published in PUBLISHED.values():
         other = 100.0 * np.array(published.rmse) / published.rmse_percent
         assert other == pytest.approx(np.abs(published.mean), rel=0.04)
+        assert np.all(np.array(published.rmse) <= published.std)
 
 
 def keeps_the_rod_on_its_side(turn: float, moved: np.ndarray) -> bool:
@@ -82,8 +82,6 @@ def test_turning_the_map_turns_the_law():
     ("asked", "words"),
     [
         (lambda: published_statistics("steel"), "steel"),
-        (lambda: replace(published_statistics("pu"), rmse=(1.0, 0.0, 0.0)), "cannot exceed"),
-        (lambda: replace(published_statistics("delrin"), first_share=0.1), "second"),
         (lambda: run_law(np.zeros(100), 0.01, 10), "take more angles"),
         (lambda: run_law(np.zeros(100), 0.2, 0), "cycles"),
     ],
