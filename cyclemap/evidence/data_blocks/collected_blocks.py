@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
-    CYCLES,
     LAYOUTS,
-    RECORDS,
     BlockBuilder,
     loop_of_plate,
     recognise,
@@ -25,7 +22,7 @@ from cyclemap.evidence.data_blocks.block_builders import (
 from cyclemap.evidence.data_blocks.stroke_block import NODES, TIP_OFFSET
 from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
-from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
+from cyclemap.evidence.pushes.measured_strokes import RowSelection
 from cyclemap.mechanics import MIT_SHAPE_NAMES
 from cyclemap.text_files import file_stem
 
@@ -92,7 +89,7 @@ def collected_blocks(
     unused = list(dict.fromkeys(file for _, others in found for file in others))
     surfaces, shapes = set[str](), set[str]()
     for number, (path, sort) in enumerate(files):
-        on, of = _add(builder, path, sort, selection, part_of(progress, number, len(files)))
+        on, of = builder.add_file(path, sort, selection, part_of(progress, number, len(files)))
         surfaces, shapes = surfaces | on, shapes | of
     if len(surfaces) > 1:
         raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
@@ -108,51 +105,7 @@ def collected_blocks(
     notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
     scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    return CollectedBlocks(_named_apart(builder), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
-
-
-def _add(
-    builder: BlockBuilder, path: Path, sort: str, selection: RowSelection, progress: Progress
-) -> tuple[frozenset[str], frozenset[str]]:
-    """Add a file's blocks and notes to what is built; return the surfaces and the objects that it tells of."""
-    builder.path = path
-    if sort not in (RECORDS, CYCLES):
-        rows = select_csv(path, selection)
-        builder.leave_out(rows.left_out)
-        if len(rows.surfaces) > 1:
-            return rows.surfaces, rows.objects
-        for plate in sorted(rows.objects) or [builder.given.slider.name]:
-            chosen = rows if len(rows.objects) < 2 else select_csv(path, replace(selection, objects=(plate,)))
-            if chosen.texts:
-                builder.turn_to(plate)
-                builder.add_csv(sort, chosen)
-        return rows.surfaces, rows.objects
-    pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
-    builder.leave_out(left_out)
-    surfaces, objects = (told(pushes.table, name) | told(pushes.scans, name) for name in ("surface", "object"))
-    plates = [] if len(surfaces) > 1 else sorted(objects) or [builder.given.slider.name]
-    for number, plate in enumerate(plates):
-        own = pushes if len(plates) < 2 else pushes_of(pushes, plate)
-        builder.turn_to(plate)
-        if sort == CYCLES:
-            builder.add_cycles(own)
-        else:
-            builder.add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
-    return surfaces, objects
-
-
-def _named_apart(builder: BlockBuilder) -> tuple[DataBlock, ...]:
-    """The blocks, of several plates each with its plate's, and with a number behind names that several have."""
-    blocks = builder.blocks
-    if len(set(builder.plates)) > 1:
-        blocks = [block.of_plate(plate, _OWNED) for block, plate in zip(blocks, builder.plates, strict=True)]
-    counts, seen, named = Counter(block.name for block in blocks), Counter[str](), []
-    for block in blocks:
-        if counts[block.name] > 1:
-            seen[block.name] += 1
-            block = replace(block, name=f"{block.name} {seen[block.name]}")
-        named.append(block)
-    return tuple(named)
+    return CollectedBlocks(builder.named(_OWNED), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
 
 
 def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:

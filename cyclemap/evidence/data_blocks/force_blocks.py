@@ -74,9 +74,8 @@ def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: flo
 def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> DataBlock:
     """Return friction scans as a block of data.
 
-    scans : columns `direction` (rad, of the motion in the world), `force_along` and `force_across` (N, of the rod on
-    the object, the second to the left of the motion), as `PushTable.scans` has them, or arrays by these names.
-    weight : N, of the object.
+    scans : columns, or arrays by these names: `direction` (rad, of the motion in the world), `force_along` and
+    `force_across` (N, of the rod on the object, the second to the left of the motion). weight : N, of the object.
 
     Carried in translation all points of the object slide alike, however the pressure is spread, and the force is the
     weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2). Rows are along then across for each scan;
@@ -110,25 +109,18 @@ def friction_ellipse_from_scans(
 ) -> Identification:
     """Identify the friction ellipse from friction scans alone; arguments as in `friction_scan_block`.
 
-    noise : N, of a scan's force component, if it is known. Intervals are by covariance: the law is nearly linear. Over
-    200 seeded sets of 4 to 72 directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
-    repeats of a direction share most of their error. Scans in fewer than three directions leave the ellipse open: the
-    estimates then say that they are not identifiable (this needs repeats, or `noise`; else there is nothing to tell
-    the noise from, and ConvergenceError is raised).
+    noise : N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72 directions, twice each,
+    intervals of 95 % held the truth in 90 to 99 %, also where the repeats of a direction share most of their error.
+    Scans in fewer than three directions leave the ellipse open: the estimates then say that they are not identifiable.
+    Raises ConvergenceError where the noise can be told from nothing: without repeats of a direction or `noise`.
 
-    >>> from cyclemap.mechanics import EllipseFriction
-    >>> direction = np.linspace(0.0, 6.0, 12)
-    >>> way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
-    >>> force = 8.0 * EllipseFriction(0.3, 0.2, m0=0.01, phi=0.4).traction(way)
-    >>> along, across = np.sum(force * way, axis=1), force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
-    >>> scans = {"direction": direction, "force_along": along, "force_across": across}
-    >>> friction = friction_ellipse_from_scans(scans, 8.0).friction()
-    >>> round(friction.mu_a, 6), round(friction.m0, 6), round(friction.phi, 6)
-    (0.3, 0.01, 0.4)
+    >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
+    >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
+    >>> round(friction_ellipse_from_scans(scans, 8.0).friction().mu_a, 5)
+    0.25
     """
-    block = friction_scan_block(scans, weight)
     known = None if noise is None else {SCAN_KIND: noise}
-    return identify([block], ELLIPSE, starts=4, noise=known)
+    return identify([friction_scan_block(scans, weight)], ELLIPSE, starts=4, noise=known)
 
 
 def _predicted(values: Values, direction: Array, weight: float) -> tuple[Array, Array]:
@@ -246,12 +238,10 @@ def wrench_twist_block(data: WrenchTwists, outline: Outline, weight: float) -> D
     The wrench is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991), and D is
     linear in the shares. The torque is divided by the outline's extent, so that all rows are in N.
 
-    The object's orientation in the world is not in such data: friction is taken as isotropic. Over orientations all
-    around, offset and ellipticity leave the mean wrench as it is to first order: the plywood of Ma & Rodriguez (2018)
-    then moves the rim share by about 0.01, by up to 0.08 where all orientations lie within 40 degrees of one. Twists
-    are taken as exact: their noise flattens the wrench's response and draws the rim share down (a share of 0.5 to 0.37
-    for 0.5 mm/s in each component at speeds of 10 mm/s, to 0.14 for 1 mm/s), so that a small share is weak evidence
-    for even pressure, a large one strong evidence against it.
+    The object's orientation in the world is not in such data: friction is taken as isotropic. Orientations all around
+    leave an error of the rim share of 0.01 on plywood; those within 40 degrees of one, of up to 0.08. Twists are taken
+    as exact: their noise draws the rim share down (0.5 to 0.37 for 0.5 mm/s in each component at speeds of 10 mm/s, to
+    0.14 for 1 mm/s), so that a small share is weak evidence for even pressure, a large one strong evidence against it.
 
     >>> from cyclemap.mechanics import Slider
     >>> square, twist = Slider.mit("rect1").outline, [[0.0, 0.01, 0.0]]
@@ -300,9 +290,7 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
 
     Whether the rod slides is read off the motion, not off the forces, so that the noise of the forces does not bias the
     answer: while it slides the ratio is the friction coefficient (Coulomb's law; Ma & Rodriguez 2018, Fig. 10 left),
-    while it sticks it is less. On 13 made pushes (plywood, mu 0.15, 0.1 mm, 0.1 degrees and 0.05 N of noise in each
-    sample) the mean of the answers is 0.14999 and their scatter 0.0004, where the median ratio of the samples says
-    0.1355. Pieces of one push share their errors; those of one push alone are a group each.
+    while it sticks it is less. Pieces of one push share their errors; those of one push alone are a group each.
     Raises InvalidInput where nothing slides.
 
     >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), 3, 0)
@@ -327,7 +315,7 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
     A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip of more than a tenth
     of the rod's travel of one sign in every window that a sample is part of.
     """
-    rows, sliding, sticking = [], 0, 0
+    rows, sticking = [], 0
     for number, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
@@ -337,12 +325,10 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
                 for start in range(first, last - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, number))
-                    sliding += samples.window
-        sticks = samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)
-        sticking += int(np.sum(sticks))
-    ratios, pushes = np.array(rows, dtype=float).reshape(-1, 2).T
-    return SlidingForces(ratios, pushes.astype(np.int64), sliding, sticking)
+                    rows.append((sign * ratio, number, samples.window))
+        sticking += int(np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)))
+    ratios, numbers, lengths = np.array(rows, dtype=float).reshape(-1, 3).T
+    return SlidingForces(ratios, numbers.astype(np.int64), int(np.sum(lengths)), sticking)
 
 
 def _steady(state: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:

@@ -76,7 +76,7 @@ def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> DataBlock:
         shift = (values["tip_offset_x"], values["tip_offset_y"])
         ends, by = predicted_push_ends(surface_model(surface, slider), strokes, shift, names)
         jacobian = np.concatenate([surface.chain(by[..., :-2], names, shared), by[..., -2:]], axis=-1)
-        return ends - np.array([_vector(push.end) for push in strokes]), jacobian
+        return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     parameters = (*shared, *(one.name for one in TIP_OFFSET))
@@ -153,8 +153,8 @@ def predicted_push_ends(
     These are by `names` of the mechanics and by both components of the shift. An object that the rod does not touch
     stays.
     """
-    ends, by = np.array([_vector(push.start) for push in pushes]), np.zeros((len(pushes), 3, len(names) + 2))
-    theta = ends[:, 2]
+    ends = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
+    by, theta = np.zeros((len(pushes), 3, len(names) + 2)), ends[:, 2]
     c, s = np.cos(theta), np.sin(theta)
     direction, length = np.array([(push.direction, push.length) for push in pushes]).T
     x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
@@ -170,24 +170,17 @@ def predicted_push_ends(
     # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
     still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, with_object=True)
     strokes = [
-        replace(still, start_piece=index, start_coordinate=at, direction=toward, length=far)
-        for index, at, toward, far in zip(
-            piece[touched].tolist(),
-            coordinate[touched].tolist(),
-            (direction - theta)[touched].tolist(),
-            way[touched].tolist(),
-            strict=True,
-        )
+        replace(still, start_piece=int(index), start_coordinate=at, direction=toward, length=far)
+        for index, at, toward, far in np.column_stack([piece, coordinate, direction - theta, way])[touched].tolist()
     ]
-    angles = theta[touched].tolist()
-    courses = [model.course(one, Pose(theta=angle)) for one, angle in zip(strokes, angles, strict=True)]
-    ran = run_strokes(courses, len(PARAMETERS))
+    both = list(zip(strokes, theta[touched].tolist(), strict=True))
+    ran = run_strokes([model.course(one, Pose(theta=angle)) for one, angle in both], len(PARAMETERS))
     ends[touched, :2] += model.unit * ran.pushed[:, :2]
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
     by[touched, :, :-2] = found[..., _columns(names)] * derivative_units(model, names)
-    starting = [_by_shift(model, one, angle) for one, angle in zip(strokes, angles, strict=True)]
-    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ np.array(starting)
+    starting = np.array([_by_shift(model, *one) for one in both])
+    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ starting
     return ends, by
 
 
@@ -206,10 +199,6 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
 
 def _columns(names: tuple[str, ...]) -> list[int]:
     return [PARAMETERS.index(name) for name in names]
-
-
-def _vector(pose: Pose) -> Array:
-    return np.array((pose.x, pose.y, pose.theta))
 
 
 def interpolation(theta: ArrayLike, count: int) -> Array:
