@@ -155,8 +155,8 @@ def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
 
 
 def _orientations(found: cycle_agreement.OrientationAgreement) -> Json:
-    tests = {name: _p_value(one) for name, one in found.tests.items()}
-    wasserstein = {"statistic_deg": degrees(found.wasserstein.statistic), "p_value": number(found.wasserstein.value)}
+    tests, distance = {name: _p_value(one) for name, one in found.tests.items()}, found.tests["wasserstein"]
+    wasserstein = {"statistic_deg": degrees(distance.statistic), "p_value": number(distance.value)}
     return {
         "count": found.count,
         **{**tests, "wasserstein": wasserstein},

@@ -57,9 +57,8 @@ Progress = Callable[[float], None]
 class Comparison:
     """A prediction beside data; what could not be asked is None or empty.
 
-    prediction, data : both as they were used; ``data.left_out`` counts what was not.
-    pushes : Δθ, Δx, Δy, one entry a set of pushes, the largest first. cycle : the cycle map.
-    orientations : the histogram. directions : stable directions and slow zones. staircase : turns, steps, residences.
+    prediction, data : both as they were used; ``data.left_out`` counts what was not. pushes : one a set, the largest
+    first. orientations : the histogram. directions : stable ones and slow zones. staircase : turns, steps, dwells.
     uncertified : what could not be computed to its tolerance, in words.
     """
 
@@ -87,10 +86,9 @@ class Comparison:
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
-        pooled = len(self.pushes) > MOST_SETS
         parts = (self.cycle, self.orientations, self.directions, self.staircase)
         distances = mean_distances(self.pushes) if self.pushes else None
-        return all_verdicts(self.told_pushes, distances, *parts, pooled)
+        return all_verdicts(self.told_pushes, distances, *parts, pooled=len(self.pushes) > MOST_SETS)
 
 
 def compare(
@@ -139,7 +137,7 @@ def compare(
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
     >>> path = sample_staircase(sine, noise, 300).theta
     >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=99)
-    >>> found.orientations.watson.value > 0.05, found.cycle.agreement.rms < 0.12, len(found.directions.matches)
+    >>> found.orientations.tests["watson"].value > 0.05, found.cycle.agreement.rms < 0.12, len(found.directions.matches)
     (True, True, 1)
     """
     report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)

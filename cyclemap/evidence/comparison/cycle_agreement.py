@@ -17,11 +17,7 @@ from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, 
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.orientations.circular_distance import (
-    PValue,
-    kernel_modes,
-    monte_carlo_p_value,
-)
+from cyclemap.evidence.orientations.circular_distance import PValue, kernel_modes, monte_carlo_p_value
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
@@ -55,8 +51,7 @@ class CycleAgreement:
     scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
         map of θ0 alone can do much better than; None where the pairs do not fix it.
     noise : standard deviation of the predicted noise of one cycle.
-    lag_correlation : of what a turn differs from that best map by, with the next one in the data: far from 0 where the
-        surface wears or is disturbed slowly. None with ``scatter``.
+    lag_correlation : of what a turn differs from that best map by, with the next one; None with ``scatter``.
     p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes is unknown.
     """
 
@@ -117,8 +112,8 @@ def cycle_agreement(
 def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
     """How much of what the turns of each path (k, n) differ from the model's is a smooth function of θ0: shape (k,).
 
-    The F ratio of the least-squares fit of six harmonics to turn less predicted turn: mean square explained over
-    mean square left. It does not depend on the size of the noise. A ``CollectionStatistic``.
+    The F ratio of the least-squares fit of six harmonics: mean square explained over mean square left, whatever the
+    size of the noise. A ``CollectionStatistic``.
     """
     found = np.zeros(len(paths))
     order = min(HARMONICS, (paths.shape[1] - 3) // 4)
@@ -140,23 +135,15 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
 class OrientationAgreement:
     """The recorded orientations beside the predicted ones.
 
-    wasserstein (statistic in rad), total_variation, kuiper, watson : distances from the law of the predicted
+    tests : wasserstein (statistic in rad), total_variation, kuiper, watson: distances from the law of the predicted
         collections, with p-values under simulated collections as long and from the same start.
     measured, predicted : histograms over the same bins, per rad.
     """
 
     count: int
-    wasserstein: PValue
-    total_variation: PValue
-    kuiper: PValue
-    watson: PValue
+    tests: dict[str, PValue]
     measured: AngleHistogram
     predicted: AngleHistogram
-
-    @property
-    def tests(self) -> dict[str, PValue]:
-        """The four by name."""
-        return {name: getattr(self, name) for name in ORIENTATION_TESTS}
 
 
 def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PValue]) -> OrientationAgreement:
@@ -164,8 +151,7 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
     measured = angle_histogram(path)
     bins = measured.density.size
     predicted = AngleHistogram(measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)))
-    tests = {name: tested[name] for name in ORIENTATION_TESTS}
-    return OrientationAgreement(path.size, **tests, measured=measured, predicted=predicted)
+    return OrientationAgreement(path.size, {name: tested[name] for name in ORIENTATION_TESTS}, measured, predicted)
 
 
 @dataclass(frozen=True)
@@ -208,22 +194,17 @@ def direction_agreement(
     predicted = kernel_modes(ensemble.paths.ravel()[::stride])
     simulated, matches = [kernel_modes(one) for one in null] if zones else [], []
     for zone in zones:
-        mode = _nearest(zone.centre, predicted)
-        seen = None if mode is None else _nearest(mode, measured)
-        if mode is None or seen is None:
-            matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, None, None))
-            continue
-        # A simulated collection without any mode is as far off as can be.
-        nearest = [_nearest(mode, modes) for modes in simulated]
-        others = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
-        off = float(shorter_way(seen - mode))
-        p_value = monte_carlo_p_value(abs(off), others)
+        mode = seen = off = p_value = None
+        if predicted.size:
+            mode = float(predicted[np.argmin(np.abs(shorter_way(predicted - zone.centre)))])
+        if mode is not None and measured.size:
+            seen = float(measured[np.argmin(np.abs(shorter_way(measured - mode)))])
+            off = float(shorter_way(seen - mode))
+            # A simulated collection without any mode is as far off as can be.
+            others = [float(np.min(np.abs(shorter_way(modes - mode)), initial=np.pi)) for modes in simulated]
+            p_value = monte_carlo_p_value(abs(off), others)
         matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, off, p_value))
     return DirectionAgreement(tuple(matches), read_only(measured))
-
-
-def _nearest(target: float, modes: Array) -> float | None:
-    return float(modes[np.argmin(np.abs(shorter_way(modes - target)))]) if modes.size else None
 
 
 @dataclass(frozen=True)

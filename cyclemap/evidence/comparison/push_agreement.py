@@ -110,17 +110,12 @@ def push_agreements(sets: Sequence[PushSet], report: Callable[[float], None]) ->
                 shifts.append(np.mean(_moved(one.model, loop, starts[::stride]) - predicted[::stride], axis=0))
         measured = np.column_stack([pushes.dtheta, pushes.displacement])
         kept = np.array(shifts) if len(shifts) > 1 else None
-        one_set = PushAgreement(
-            pushes.facts,
-            float(np.median([push.distance for push in pushes.push])),
-            read_only(pushes.theta),
-            read_only(measured),
-            read_only(predicted),
-            read_only(isotropic),
-            _quantities(measured, predicted, kept),
-            kept,
+        length = float(np.median([push.distance for push in pushes.push]))
+        theta, measured, predicted, isotropic = (
+            read_only(some) for some in (pushes.theta, measured, predicted, isotropic)
         )
-        found.append(one_set)
+        quantities = _quantities(measured, predicted, kept)
+        found.append(PushAgreement(pushes.facts, length, theta, measured, predicted, isotropic, quantities, kept))
         report((number + 1) / len(sets))
     return tuple(sorted(found, key=lambda one: -one.count))
 

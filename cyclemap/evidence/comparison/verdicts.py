@@ -60,11 +60,13 @@ def all_verdicts(
         found += _cycle_verdicts(cycle)
     if orientations is not None:
         # By Watson's test, the others told beside it: one test decides, so that the level holds.
-        told, kept = orientations, _kept(orientations.watson)
-        others = f"Wasserstein distance {_degrees(told.wasserstein.statistic)} ({_p(told.wasserstein)}), "
-        others += f"total variation {told.total_variation.statistic:.2f} ({_p(told.total_variation)})"
-        words = f"The histogram of {told.count} directions {'agrees' if kept else 'is rejected'} by Watson's test "
-        words += f"({_p(told.watson)}): {others}, Kuiper {_p(told.kuiper)}."
+        p, kept = {name: _p(one) for name, one in orientations.tests.items()}, _kept(orientations.tests["watson"])
+        wasserstein, varied = (orientations.tests[name].statistic for name in ("wasserstein", "total_variation"))
+        words = (
+            f"The histogram of {orientations.count} directions {'agrees' if kept else 'is rejected'} by Watson's test "
+        )
+        words += f"({p['watson']}): Wasserstein distance {_degrees(wasserstein)} ({p['wasserstein']}), "
+        words += f"total variation {varied:.2f} ({p['total_variation']}), Kuiper {p['kuiper']}."
         found.append(Verdict("histogram of directions", kept, words))
     if directions is not None:
         found += [_direction_verdict(one) for one in directions.matches]
