@@ -12,16 +12,6 @@ from cyclemap.evidence.identification.surface_parameters import SURFACE
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
 
 
-def test_a_subset_has_the_rows_of_its_groups_and_nothing_else() -> None:
-    block = motion_block(10, 0.1, 0.1)
-    part = block.subset(np.isin(block.groups, [2, 7]))
-    part = part.subset(part.groups == 7)
-    assert part.groups.tolist() == [7, 7]
-    assert part.kinds.tolist() == ["turn (rad)", "shift (m)"]
-    for whole, own in zip(block.residuals(TRUTH), part.residuals(TRUTH), strict=True):
-        assert np.array_equal(own, whole[[7, 17]])
-
-
 def test_equal_labels_in_two_blocks_are_two_groups_and_equal_kinds_share_their_noise() -> None:
     problem = JointProblem((force_block(6), force_block(4, name="second")), SURFACE.select(ELLIPSE), {})
     assert len(np.unique(problem.groups)) == 10

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 from scipy.stats import t as student
-from stand_ins import ELLIPSE, TRUTH, fitted, force_block, motion_block
+from stand_ins import fitted
 
 from cyclemap.evidence import DataBlock, Parameter, ParameterSpace, identify
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import uncertainty
-from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 
 X = np.linspace(0.0, 1.0, 12)
@@ -90,13 +89,3 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
     assert len(found.uncertainty.open) == 2 and "idle is not fixed by the data" in found.notes
     assert any(f"{a} and {b} trade off" in " ".join(found.notes) for a, b in (names[:2], names[1::-1]))
     assert {(one.lower, one.upper, one.identifiable) for one in found.estimates} == {(0.1, 3.0, False)}
-
-
-def test_motion_alone_leaves_the_scale_of_friction_open_and_forces_fix_it() -> None:
-    blind = DataBlock("still", ("friction_scale",), lambda v: (X, np.zeros((12, 1))), np.arange(12), "1")
-    held = {name: TRUTH[name] for name in ("pusher_friction", "rim_share")}
-    motion = JointProblem((blind, motion_block(20, 0.02, 0.002)), SURFACE.select(ELLIPSE), held)
-    told = uncertainty(motion, fitted(motion, motion.space.start)).open
-    assert told == ("friction_scale is not fixed by the data",)
-    forced = JointProblem((*motion.blocks, force_block(12, 0.01)), motion.space, held)
-    assert uncertainty(forced, fitted(forced, forced.space.start)).open == ()

@@ -8,7 +8,6 @@ import pytest
 from refusals import refused
 from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, hold_as_often_as_they_say, holds_truth, motion_block
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.surface_parameters import SURFACE
@@ -67,6 +66,8 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed(
     assert all(row.left_out_rms > row.rms for row in found.errors)
     assert found.starts.count == 3
     assert found["offset_x"].value == found.values["offset_x"]
+    refused(lambda: found["corner_share"], told="unknown identified parameter")
+    refused(identified_material, found, " ", told="needs a name")
 
 
 def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> None:
@@ -104,10 +105,3 @@ def test_a_value_on_its_bound_says_which() -> None:
 )
 def test_questions_that_make_no_sense_are_refused_by_name(free, options, words) -> None:
     refused(identify, blocks(0.01), free, told=words, **options)
-
-
-def test_an_answer_has_what_was_asked_and_a_material_a_name() -> None:
-    found = identify(blocks(0.01), NAMES, starts=1)
-    refused(identified_material, found, " ", told="needs a name")
-    with pytest.raises(InvalidInput, match="unknown identified parameter"):
-        found["corner_share"]

@@ -52,18 +52,6 @@ def test_where_the_map_mixes_the_law_of_a_long_run_is_the_stationary_law_of_the_
     assert found * THETA.size / (2 * np.pi) == pytest.approx(operator.density(THETA), rel=2e-3, abs=1e-3)
 
 
-def test_the_law_of_a_short_run_is_the_mean_histogram_of_sampled_runs():
-    lift, cycles = CircleMap.arnold(0.03, 0.4), 20
-    found = run_law(lift.turn(THETA), SIGMA, cycles, start=1.0)
-    assert found.sum() == pytest.approx(1.0)
-    rng = np.random.default_rng(0)
-    theta, moments = 1.0 + np.deg2rad(10.0) * rng.standard_normal(40_000), []
-    for _ in range(cycles):
-        moments.append(np.exp(1j * theta).mean())
-        theta = theta + lift.turn(theta) + SIGMA * rng.standard_normal(theta.size)
-    assert found @ np.exp(1j * THETA) == pytest.approx(np.mean(moments), abs=0.01)
-
-
 def test_between_two_stable_directions_that_noise_hardly_connects_the_start_decides():
     turn, near_zero = -0.3 * np.sin(2 * THETA), np.cos(THETA) > 0
     for start, share in ((0.0, 1.0), (np.pi, 0.0), (None, 0.5)):
