@@ -6,10 +6,9 @@ import numpy as np
 
 from cyclemap.evidence import DataBlock, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem, Values
-from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw, multi_start
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.mechanics import EllipseFriction
 
 ELLIPSE = SURFACE.names[:5]
 MOTION = (*SURFACE.names[1:5], "pusher_friction", "rim_share")
@@ -84,14 +83,12 @@ def fitted(problem: JointProblem, start: Any, law: NoiseLaw | None = None, known
     return multi_start(problem, np.asarray(start)[None], law, known).best
 
 
-def holds_truth(problem: JointProblem, fit: Fit, truth: Values) -> np.ndarray:
-    """Whether the 95 % interval of each free parameter, by covariance, holds the truth."""
-    errors = uncertainty(problem, fit)
-    half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
-    return np.asarray(np.abs(fit.vector - problem.space.vector(truth)) < half * errors.standard_error)
-
-
-def hold_as_often_as_they_say(held: list[np.ndarray]) -> bool:
-    """Whether intervals of 95 % held the truth in 90 to 99 % of 200 runs, each parameter's."""
-    shares = np.mean(held, axis=0)
-    return len(held) == 200 and bool(np.all((shares >= 0.9) & (shares <= 0.99)))
+def made_scans(
+    law: EllipseFriction, directions: Any, weight: float, noise: float = 0.0, seed: int = 0
+) -> dict[str, Any]:
+    """Friction scans of an object in directions (n,) rad, twice each; noise in N."""
+    direction = np.repeat(directions, 2)
+    c, s = np.cos(direction), np.sin(direction)
+    fx, fy = weight * law.traction(np.stack([c, s], axis=-1)).T
+    along, across = noise * np.random.default_rng(seed).standard_normal((2, len(direction)))
+    return {"direction": direction, "force_along": c * fx + s * fy + along, "force_across": c * fy - s * fx + across}

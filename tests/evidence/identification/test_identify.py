@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from refusals import refused
-from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, hold_as_often_as_they_say, holds_truth, motion_block
+from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
+from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.identification.data_block import JointProblem
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 
@@ -31,6 +33,7 @@ def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() 
     material = identified_material(found, "made")
     assert "inferred from scan (24 values), pushes (32 values)" in material.provenance
     assert "left out" in material.misfit
+    assert CollectionLoop.mit(material=material).model.pressure.rim_share == pytest.approx(TRUTH["rim_share"], abs=1e-9)
     assert steps == sorted(steps) and steps[-1] == 1.0
 
 
@@ -45,13 +48,13 @@ def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups_and
         problem = JointProblem(blocks(0.01, seed, count, shared), SPACE, {})
         rows = tuple(replace(block, groups=np.arange(len(block.groups))) for block in problem.blocks)
         fit = fitted(problem, SPACE.start)
-        grouped.append(holds_truth(problem, fit, TRUTH))
-        single.append(holds_truth(replace(problem, blocks=rows), fit, TRUTH))
-    if shared:
-        assert hold_as_often_as_they_say(grouped)
-        assert np.sum(np.mean(single, axis=0) < 0.9) >= 3
-    else:
-        assert hold_as_often_as_they_say(single)
+        for held, blocks_of in ((grouped, problem.blocks), (single, rows)):
+            errors = uncertainty(replace(problem, blocks=blocks_of), fit)
+            half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
+            held.append(np.abs(fit.vector - SPACE.vector(TRUTH)) < half * errors.standard_error)
+    often = np.mean(grouped if shared else single, axis=0)
+    assert np.all((often >= 0.9) & (often <= 0.99))
+    assert not shared or np.sum(np.mean(single, axis=0) < 0.9) >= 3
 
 
 def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed() -> None:
