@@ -49,10 +49,10 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             style.legend_above(turn)
             _draw_histograms(histogram, found.orientations)
             staircase.set_title("Staircase", pad=TITLE_PAD)
-            if found.data.path is None or found.staircase is None:
+            if found.data.pairs.path is None or found.staircase is None:
                 style.say(staircase, "order of the pushes unknown")
             else:
-                draw_staircase(staircase, found.staircase.run, found.data.path)
+                draw_staircase(staircase, found.staircase.run, found.data.pairs.path)
                 staircase.set_xlabel("cycle of the compared path")
                 style.legend_above(staircase)
         if found.pushes:

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from statistics import median
 from typing import Any
+
+import numpy as np
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError
@@ -74,7 +75,8 @@ class Comparison:
     @property
     def middle(self) -> float:
         """The push in the middle of those compared, whose map stands for all where the surface wears."""
-        return float(median(self.data.cycle.tolist())) if self.data.cycle.size else 0.0
+        pairs = self.data.pairs
+        return 0.0 if pairs is None or pairs.cycle is None else float(np.median(pairs.cycle))
 
     @property
     def told_pushes(self) -> tuple[tuple[str, tuple[QuantityAgreement, ...]], ...]:
@@ -145,8 +147,9 @@ def compare(
     collection = collection_data(
         data, loop, first=first, select=select, push_length=push_length, progress=lambda done: report(0.1 * done)
     )
-    last = int(collection.cycle.max()) + 1 if collection.cycle.size else 1
-    wanted = max(last, collection.path_first + (0 if collection.path is None else collection.path.size))
+    pairs = collection.pairs
+    numbers = () if pairs is None else [one for one in (pairs.cycle, pairs.path_cycle) if one is not None]
+    wanted = 1 + int(max((np.max(one) for one in numbers), default=0.0))
     given = prediction if loop is None else collection.loop
     chosen = as_prediction(given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done))
     pushes = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
@@ -157,13 +160,15 @@ def compare(
 
 def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
     """All but the pushes: the cycle map, and where the order of the pushes is known what follows from it."""
-    pairs, path, first = data.pairs, data.path, data.path_first
+    pairs = data.pairs
     empty = Comparison(prediction, data, (), None, None, None, None)
     if pairs is None:
         return empty
-    if path is None or path.size < FEWEST_CYCLES:
-        return replace(empty, cycle=cycle_agreement(prediction, pairs, data.cycle))
-    uncertain, start = prediction.model(first, uncertain=True), float(path[0])
+    path = pairs.path
+    if path is None or pairs.path_cycle is None or path.size < FEWEST_CYCLES:
+        return replace(empty, cycle=cycle_agreement(prediction, pairs))
+    first, start = int(pairs.path_cycle[0]), float(path[0])
+    uncertain = prediction.model(first, uncertain=True)
     ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
@@ -180,7 +185,7 @@ def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed:
     fixed = None if prediction.is_drifting else summary
     return replace(
         empty,
-        cycle=cycle_agreement(prediction, pairs, data.cycle, tested["map"]),
+        cycle=cycle_agreement(prediction, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
         staircase=staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done)),

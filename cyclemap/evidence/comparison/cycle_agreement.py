@@ -72,10 +72,9 @@ class CycleAgreement:
     p_value: PValue | None
 
 
-def cycle_agreement(
-    prediction: Prediction, pairs: Theta0Pairs, cycle: Array, p_value: PValue | None = None
-) -> CycleAgreement:
-    """Set measured pairs, that begin with the pushes ``cycle`` (n,), beside the predicted map."""
+def cycle_agreement(prediction: Prediction, pairs: Theta0Pairs, p_value: PValue | None = None) -> CycleAgreement:
+    """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted map."""
+    cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
     (predicted, *sampled), best = prediction.turns(pairs.theta, cycle), None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)

@@ -65,7 +65,7 @@ def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
     still = compare(WORN.at(0), pairs_of(path), noise=NOISE, first=100, runs=49)
     shifted = compare(WORN, pairs_of(path[100:]), noise=NOISE, runs=49)
     assert right.cycle.agreement.pairs == shifted.cycle.agreement.pairs == 300
-    assert right.data.path_first == 100
+    assert right.data.pairs.path_cycle[0] == 100
     assert min(right.orientations.tests["watson"].value, right.cycle.p_value.value) > 0.05
     assert still.orientations.tests["watson"].value <= 0.02
     assert shifted.cycle.p_value.value <= 0.02
@@ -100,7 +100,7 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
     assert found.verdicts[3].words.startswith("Pushes end 1.0 mm and 0.0° from the prediction on average; isotropic")
     assert found.cycle.agreement.pairs == 40
     assert "predicted over 41 pushes" in found.verdicts[1].words
-    assert np.allclose(np.diff(found.data.path), np.diff(path), atol=1e-9)
+    assert np.allclose(np.diff(found.data.pairs.path), np.diff(path), atol=1e-9)
     assert progress == sorted(progress) and progress[-1] == 1.0
 
 
@@ -134,14 +134,14 @@ def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
 
 
 def test_pairs_keep_the_numbers_of_their_pushes() -> None:
-    """Pairs 3 and 7 are missing from the list; a path that is another one numbers them in order."""
+    """Pairs 3 and 7 are missing from the list; pairs that tell no numbers have them in order."""
     path = sine_pairs(20).path
-    kept = np.delete(np.arange(20), [3, 7])
-    own = collection_data(Theta0Pairs(path[kept], path[kept + 1], path), None, first=5)
+    kept = np.delete(np.arange(20.0), [3, 7])
+    ends = path[kept.astype(int)], path[kept.astype(int) + 1]
+    own = collection_data(Theta0Pairs(*ends, path, cycle=kept), None, first=5).pairs
     assert own.cycle.tolist() == [5, 6, *range(8, 20)]
     assert np.array_equal(own.path, path[5:])
-    other = collection_data(Theta0Pairs(path[kept], path[kept + 1], path + 1.0), None)
-    assert other.cycle.tolist() == list(range(18))
+    assert collection_data(Theta0Pairs(*ends), None).pairs.cycle.tolist() == list(range(18))
 
 
 def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
@@ -149,12 +149,12 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
     data = collection_data(write_poses(tmp_path / "two.csv", rows), None)
-    assert data.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
+    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
     assert data.left_out["cycle of another set"] == 2
-    assert data.path_first == 4
-    assert np.allclose(data.path, 0.1 * np.arange(4, 10))
+    assert data.pairs.path_cycle.tolist() == [4, 5, 6, 7, 8, 9]
+    assert np.allclose(data.pairs.path, 0.1 * np.arange(4, 10))
     (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")
-    assert np.degrees(collection_data(tmp_path / "theta.csv", None).path) == pytest.approx([340.0, 355.0, 372.0])
+    assert np.degrees(collection_data(tmp_path / "theta.csv", None).pairs.path) == pytest.approx([340.0, 355.0, 372.0])
 
 
 @pytest.mark.parametrize(
