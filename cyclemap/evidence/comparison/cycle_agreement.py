@@ -42,14 +42,11 @@ class CycleAgreement:
 
     agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
     off : (n,) measured less predicted turn of each pair. bins : the measured medians.
-    measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error : its standard
-        error, correlation of successive cycles allowed for, and ``model_error`` with it; None below three pairs.
-        model_error : of the predicted mean alone, by how well the material is known; 0 without a posterior.
-    agrees : whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees.
+    measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error, model_error,
+        agrees : as of a ``QuantityAgreement``.
     isotropic_rms : root mean square that a loop on isotropic friction under even pressure, all else alike, would leave;
         None of a prediction that is no loop. blind_rms : what one turn for all θ0 would leave.
-    scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
-        map of θ0 alone can do much better than; None where the pairs do not fix it.
+    scatter : of the turns about the map with six harmonics that fits these very pairs best; None where they fix none.
     noise : standard deviation of the predicted noise of one cycle.
     lag_correlation : of what a turn differs from that best map by, with the next one; None with ``scatter``.
     p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes is unknown.
@@ -157,12 +154,10 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
 class DirectionMatch:
     """A predicted direction and the measured mode nearest to it, rad in [0, 2π).
 
-    kind : "stable", "jump", "ghost", as of a ``SlowZone``. centre : of the zone.
-    predicted_mode : mode of the predicted collections' orientations nearest to the centre, by the kernel that the
-        measured modes come from: a ghost's mode lies beside its slowest point. measured_mode : nearest to that.
-    difference : measured less predicted mode, in [-π, π). None where there is no mode.
-    p_value : of a difference so large, among simulated collections; exact for a prediction that was not fitted to
-        these data, else too large.
+    kind, centre : of the ``SlowZone``. predicted_mode : mode of the predicted collections' orientations nearest to the
+        centre (a ghost's lies beside its slowest point). measured_mode : nearest to that. None where there is none.
+    difference : measured less predicted mode, in [-π, π). p_value : of one so large, among simulated collections; exact
+        for a prediction that was not fitted to these data, else too large.
     """
 
     kind: str
@@ -227,10 +222,10 @@ class StaircaseAgreement:
     """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths in cycles.
 
     steps : found in the measured path without a model. run : one simulated collection, (n,) rad.
-    turns : whole turns climbed. step_count : steps found. step_height, residence : medians over the steps and the
-        dwells of a collection, dwells that its ends cut off included.
+    turns : whole turns climbed. step_height, residence : medians over the steps and the dwells of a collection, dwells
+        that its ends cut off included.
     theory : the visits to the predicted zones and the pace, against their exact law; None for a map that wears and
-        where that law could not be computed. Its p-values do not know of parameters fitted to the same data.
+        where that law could not be computed.
     """
 
     steps: Steps

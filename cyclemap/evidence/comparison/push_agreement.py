@@ -34,9 +34,8 @@ Distances = tuple[float, float]
 class QuantityAgreement:
     """One quantity of a set of pushes, in rad (``dtheta``) or m (``dx``, ``dy``); count pushes.
 
-    measured_mean, measured_std; predicted_mean, predicted_std : of the pushes, the predictions at their own θ0.
-        measured_std is also the least RMSE of any law that ignores θ0, as an isotropic one does.
-    bias : mean of predicted less measured. spread : standard deviation of that difference. rmse² = bias² + spread².
+    measured_std : also the least RMSE of any law that ignores θ0, as an isotropic one does.
+    bias : mean of predicted less measured, each at its own θ0. spread : standard deviation of that difference.
     bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey & West 1987), and
         ``model_error`` with it; None below three pushes. model_error : of the predicted mean alone, by how well the
         material's parameters are known; 0 where it has no posterior.
@@ -44,7 +43,6 @@ class QuantityAgreement:
     percent, std_percent : RMSE and measured standard deviation in per cent of the measured mean (Ma & Rodriguez 2018,
         Tables II and III); inf for a mean of 0.
     explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
-    All standard deviations are over n.
     """
 
     name: str

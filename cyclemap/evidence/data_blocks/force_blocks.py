@@ -156,8 +156,7 @@ class WrenchTwists:
 
     wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none of them zero.
 
-    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and for wrenches most of which take
-    power from the object: these are the object's on the pusher.
+    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and wrenches of the wrong sign.
     """
 
     wrench: Array
