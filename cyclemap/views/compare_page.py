@@ -201,7 +201,7 @@ def explanation_sentences(name: str, found: Comparison) -> list[str]:
     if found.cycle is None:
         return said
     cycle = found.cycle
-    left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.blind_rms}
+    left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.turn.measured_std}
     if cycle.isotropic_rms is not None:
         left[ISOTROPIC] = cycle.isotropic_rms
     told = ", ".join(f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1]))

@@ -13,7 +13,7 @@ from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.comparison.prediction import Prediction
-from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, within_error
+from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quantity_agreement
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
@@ -42,10 +42,8 @@ class CycleAgreement:
 
     agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
     off : (n,) measured less predicted turn of each pair. bins : the measured medians.
-    measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error, model_error,
-        agrees : as of a ``QuantityAgreement``.
-    isotropic_rms : root mean square that a loop on isotropic friction under even pressure, all else alike, would leave;
-        None of a prediction that is no loop. blind_rms : what one turn for all θ0 would leave.
+    turn : of the cycles, its mean tested. isotropic_rms : root mean square that a loop on isotropic friction under even
+        pressure, all else alike, would leave; None of a prediction that is no loop.
     scatter : of the turns about the map with six harmonics that fits these very pairs best; None where they fix none.
     noise : standard deviation of the predicted noise of one cycle.
     lag_correlation : of what a turn differs from that best map by, with the next one; None with ``scatter``.
@@ -55,14 +53,8 @@ class CycleAgreement:
     agreement: MapAgreement
     off: Array
     bins: TurnBins
-    measured_turn: float
-    predicted_turn: float
-    bias: float
-    bias_error: float | None
-    model_error: float
-    agrees: bool | None
+    turn: QuantityAgreement
     isotropic_rms: float | None
-    blind_rms: float
     scatter: float | None
     noise: float
     lag_correlation: float | None
@@ -85,19 +77,13 @@ def cycle_agreement(prediction: Prediction, pairs: Theta0Pairs, p_value: PValue 
         with suppress(UnsupportedContact):
             # On a surface without direction the turn of a cycle is one for all θ0.
             isotropic = replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
-    bias, error = float(-np.mean(off)), mean_error(off, model_error)
+    turn = quantity_agreement("turn", pairs.turn, predicted, model_error)
     return CycleAgreement(
-        agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
+        agreement=MapAgreement(off.size, turn.rmse, medians.median.size, over_bins),
         off=read_only(off),
         bins=turn_bins(pairs),
-        measured_turn=float(np.mean(pairs.turn)),
-        predicted_turn=float(np.mean(predicted)),
-        bias=bias,
-        bias_error=error,
-        model_error=model_error,
-        agrees=within_error(bias, error, off.size, SEEN_ANGLE),
+        turn=turn,
         isotropic_rms=None if isotropic is None else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
-        blind_rms=float(np.std(pairs.turn)),
         scatter=None if best is None else best.sigma,
         noise=float(np.sqrt(prediction.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,

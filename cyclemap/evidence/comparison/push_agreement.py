@@ -32,7 +32,7 @@ Distances = tuple[float, float]
 
 @dataclass(frozen=True)
 class QuantityAgreement:
-    """One quantity of a set of pushes, in rad (``dtheta``) or m (``dx``, ``dy``); count pushes.
+    """One quantity of pushes or cycles, in rad (``dtheta``, ``turn``) or m (``dx``, ``dy``), of so many.
 
     measured_std : also the least RMSE of any law that ignores θ0, as an isotropic one does.
     bias : mean of predicted less measured, each at its own θ0. spread : standard deviation of that difference.
@@ -175,7 +175,7 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
         rmse=rmse,
         bias_error=error,
         model_error=model_error,
-        agrees=within_error(bias, error, off.size, SEEN_ANGLE if name == "dtheta" else SEEN_LENGTH),
+        agrees=within_error(bias, error, off.size, SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE),
         percent=100.0 * rmse / abs(mean) if mean else float("inf"),
         std_percent=100.0 * deviation / abs(mean) if mean else float("inf"),
         explains=rmse < deviation,

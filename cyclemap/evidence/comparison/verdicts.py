@@ -99,17 +99,18 @@ def _push_verdict(found: QuantityAgreement, whose: str, pooled: bool) -> Verdict
         for size, share in zip((found.rmse, found.measured_std), shares, strict=True)
     )
     better = "below" if found.explains else "not below"
-    words = f"The mean {name}{whose} {_means(found.measured_mean, found.predicted_mean, scale, unit, found.agrees)} "
+    words = f"The mean {name}{whose} {_means(found, scale, unit)} "
     words += f"{over}; RMSE {rmse}, {better} the {least} that a law blind to θ0 can reach."
     return Verdict(f"mean {name}{whose}", found.agrees, words)
 
 
-def _means(measured: float, predicted: float, scale: float, unit: str, agrees: bool | None) -> str:
-    kept = {True: "agrees within its error", False: "is off", None: "is"}[agrees]
-    return f"{kept}: {_fixed(scale * measured, 2)}{unit} measured, {_fixed(scale * predicted, 2)}{unit} predicted"
+def _means(found: QuantityAgreement, scale: float, unit: str) -> str:
+    kept = {True: "agrees within its error", False: "is off", None: "is"}[found.agrees]
+    measured, predicted = (_fixed(scale * mean, 2) for mean in (found.measured_mean, found.predicted_mean))
+    return f"{kept}: {measured}{unit} measured, {predicted}{unit} predicted"
 
 
-def _error(found: QuantityAgreement | CycleAgreement, scale: float, unit: str) -> str:
+def _error(found: QuantityAgreement, scale: float, unit: str) -> str:
     """The error of a difference, and how much of it is that of the material's parameters."""
     if found.bias_error is None:
         return ""
@@ -119,10 +120,9 @@ def _error(found: QuantityAgreement | CycleAgreement, scale: float, unit: str) -
 
 
 def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
-    error, agreement = _error(found, _DEG, "°"), found.agreement
-    means = _means(found.measured_turn, found.predicted_turn, _DEG, "°", found.agrees)
-    words = f"The mean turn of a cycle {means}{f' ({error})' if error else ''}."
-    question = Verdict("mean turn of a cycle", found.agrees, words)
+    error, agreement = _error(found.turn, _DEG, "°"), found.agreement
+    words = f"The mean turn of a cycle {_means(found.turn, _DEG, '°')}{f' ({error})' if error else ''}."
+    question = Verdict("mean turn of a cycle", found.turn.agrees, words)
     beside = "" if found.isotropic_rms is None else f" (isotropic friction {_degrees(found.isotropic_rms)})"
     misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}"
     if agreement.bins:
