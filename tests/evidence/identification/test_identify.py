@@ -10,6 +10,7 @@ from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
+from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.surface_parameters import SURFACE
@@ -108,3 +109,12 @@ def test_a_value_on_its_bound_says_which() -> None:
 )
 def test_questions_that_make_no_sense_are_refused_by_name(free, options, words) -> None:
     refused(identify, blocks(0.01), free, told=words, **options)
+
+
+def test_the_shift_of_a_data_sets_frame_is_its_plates_in_the_material() -> None:
+    names, off = tuple(one.name for one in TIP_OFFSET), 1e-4 * np.cos(np.arange(8.0))
+    jacobian = np.eye(2)[[0, 1] * 4]
+    block = DataBlock("ends", names, lambda v: (jacobian @ [v[n] for n in names] + off, jacobian), range(8), "m")
+    block = replace(block, own_parameters=TIP_OFFSET).of_plate("hex", TIP_OFFSET)
+    (frame,) = identified_material(identify([block], block.parameters), "made").frames
+    assert (frame.plate, frame.x, frame.y) == ("hex", *(pytest.approx(-np.mean(off[n::2]), abs=1e-9) for n in (0, 1)))
