@@ -51,8 +51,8 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.evidence.comparison.compare import Comparison, compare
-    from cyclemap.evidence.comparison.verdicts import Verdict
+    from cyclemap.evidence.comparison.compare import compare
+    from cyclemap.evidence.comparison.verdicts import Comparison, Verdict
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,

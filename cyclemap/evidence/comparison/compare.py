@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,6 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
 from cyclemap.evidence.comparison.cycle_agreement import (
-    CycleAgreement,
-    DirectionAgreement,
-    OrientationAgreement,
-    StaircaseAgreement,
     cycle_agreement,
     direction_agreement,
     map_misfit,
@@ -26,13 +21,9 @@ from cyclemap.evidence.comparison.cycle_agreement import (
 )
 from cyclemap.evidence.comparison.prediction import Prediction, as_prediction
 from cyclemap.evidence.comparison.push_agreement import (
-    PushAgreement,
-    QuantityAgreement,
-    mean_distances,
-    pooled_quantities,
     push_agreements,
 )
-from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
+from cyclemap.evidence.comparison.verdicts import Comparison
 from cyclemap.evidence.orientations.collection_null import (
     collection_p_values,
     collection_statistics,
@@ -44,53 +35,12 @@ from cyclemap.maps import Noise, StaircaseSummary, predict_staircase
 
 # A collection shorter than this has no steps or modes worth a test.
 FEWEST_CYCLES = 10
-# More sets of pushes than this are told as one.
-MOST_SETS = 3
 # Collections of the ensemble that gives the predicted law.
 ENSEMBLE = 200
 # Simulated collections whose steps and modes are found: they take some 60 ms each for 1500 cycles.
 MOST_DETAILED = 99
 
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """A prediction beside data; what could not be asked is None or empty.
-
-    prediction, data : both as they were used; ``data.left_out`` counts what was not. pushes : one a set, the largest
-    first. orientations : the histogram. directions : stable ones and slow zones. staircase : turns, steps, dwells.
-    uncertified : what could not be computed to its tolerance, in words.
-    """
-
-    prediction: Prediction
-    data: CollectionData
-    pushes: tuple[PushAgreement, ...]
-    cycle: CycleAgreement | None
-    orientations: OrientationAgreement | None
-    directions: DirectionAgreement | None
-    staircase: StaircaseAgreement | None
-    uncertified: tuple[str, ...] = ()
-
-    @property
-    def middle(self) -> float:
-        """The push in the middle of those compared, whose map stands for all where the surface wears."""
-        pairs = self.data.pairs
-        return 0.0 if pairs is None or pairs.cycle is None else float(np.median(pairs.cycle))
-
-    @property
-    def told_pushes(self) -> tuple[tuple[str, tuple[QuantityAgreement, ...]], ...]:
-        """The sets of pushes by name with their quantities; more than three are taken together."""
-        if len(self.pushes) > MOST_SETS:
-            return ((f" in {len(self.pushes)} sets", pooled_quantities(self.pushes)),)
-        return tuple((one.name, one.quantities) for one in self.pushes)
-
-    @cached_property
-    def verdicts(self) -> tuple[Verdict, ...]:
-        """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
-        parts = (self.cycle, self.orientations, self.directions, self.staircase)
-        distances = mean_distances(self.pushes) if self.pushes else None
-        return all_verdicts(self.told_pushes, distances, *parts, pooled=len(self.pushes) > MOST_SETS)
 
 
 def compare(

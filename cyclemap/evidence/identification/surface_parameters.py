@@ -272,17 +272,6 @@ class SurfaceParameters:
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
 
 
-def share_unknowns(footprint: PatchFootprint) -> dict[str, float]:
-    """Return the unknowns rim_share, corner_share and inner_share whose `SurfaceParameters.shares` a footprint has."""
-    left = 1.0 - footprint.rim_share
-    rest = left - footprint.corner_share
-    return {
-        "rim_share": footprint.rim_share,
-        "corner_share": min(footprint.corner_share / left, 1.0) if left > 0.0 else 0.0,
-        "inner_share": min(footprint.inner_share / rest, 1.0) if rest > 0.0 else 0.0,
-    }
-
-
 def share_names(outline: Outline) -> tuple[str, ...]:
     """Return which shares of the weight an outline can have: no ellipse has corners, not every concave one a frame.
 
@@ -313,19 +302,23 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
         raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
     if start is not None:
         loop = with_material(loop, start)
+    even = PatchFootprint(loop.slider.outline)
+    pressure = loop.footprint if isinstance(loop.footprint, PatchFootprint) else even
+    # What the rim leaves of the weight, and what rim and corners leave.
+    left = 1.0 - pressure.rim_share
+    rest = left - pressure.corner_share
     values = SurfaceParameters.from_friction(
         loop.material.friction,
         pusher_friction=loop.pusher.friction,
-        **share_unknowns(loop.footprint or PatchFootprint(loop.slider.outline)),  # type: ignore[arg-type]
+        rim_share=pressure.rim_share,
+        corner_share=min(pressure.corner_share / left, 1.0) if left > 0.0 else 0.0,
+        inner_share=min(pressure.inner_share / rest, 1.0) if rest > 0.0 else 0.0,
         pin_friction_radius=loop.reset.pin_friction_radius,
     ).values()
-    space = tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters)
+    space = ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
     if start is None:
-        return ParameterSpace(space)
+        return space
     # A search begins at the value, or a little inside the bound that it lies on.
-    margins = [0.01 * (one.upper - one.lower) for one in space]
-    inside = [
-        min(max(values[one.name], one.lower + margin), one.upper - margin)
-        for one, margin in zip(space, margins, strict=True)
-    ]
-    return ParameterSpace(tuple(replace(one, start=at) for one, at in zip(space, inside, strict=True)))
+    margin = 0.01 * (space.upper - space.lower)
+    inside = np.clip(space.vector(values), space.lower + margin, space.upper - margin).tolist()
+    return ParameterSpace(tuple(replace(one, start=at) for one, at in zip(space.parameters, inside, strict=True)))
