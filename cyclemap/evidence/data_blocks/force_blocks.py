@@ -89,6 +89,8 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
     True
     """
+    from scipy.linalg import expm, expm_frechet
+
     positive_number("weight", weight)
     direction, *forces = scan_columns(scans)
     measured = np.stack(forces, axis=-1).ravel()
@@ -97,9 +99,27 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     found, number = np.unique(np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True)
     groups = np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
 
+    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
+    left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
+    turn = weight * np.stack([way, left], axis=1)
+    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
+
     def function(values: Values) -> tuple[Array, Array]:
-        force, jacobian = _predicted(values, direction, weight)
-        return force - measured, jacobian
+        # With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is
+        # mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a
+        # circle included.
+        surface = SurfaceParameters.from_values(values)
+        traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
+        exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
+        push = way @ expm(exponent)
+        size = np.sqrt(np.sum(push * way, axis=1))[:, None]
+        columns = [traction]
+        for unit in (by_x, by_y):
+            moved = way @ expm_frechet(exponent, unit, compute_expm=False)
+            columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
+        columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
+        force = np.einsum("nij,nj->ni", turn, traction).ravel()
+        return force - measured, np.einsum("nij,njk->nik", turn, np.stack(columns, axis=-1)).reshape(-1, len(ELLIPSE))
 
     return DataBlock("friction scans", ELLIPSE, function, groups, np.repeat(SCAN_KIND, measured.size))
 
@@ -121,33 +141,6 @@ def friction_ellipse_from_scans(
     """
     known = None if noise is None else {SCAN_KIND: noise}
     return identify([friction_scan_block(scans, weight)], ELLIPSE, starts=4, noise=known)
-
-
-def _predicted(values: Values, direction: Array, weight: float) -> tuple[Array, Array]:
-    """Forces (2 n,), along then across for each scan, and their derivatives by ELLIPSE (2 n, 5).
-
-    With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is mean^2
-    expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a circle included.
-    """
-    from scipy.linalg import expm, expm_frechet
-
-    surface = SurfaceParameters.from_values(values)
-    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
-    left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
-    traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
-    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
-    exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
-    push = way @ expm(exponent)
-    size = np.sqrt(np.sum(push * way, axis=1))[:, None]
-    columns = [traction]
-    for unit in (by_x, by_y):
-        moved = way @ expm_frechet(exponent, unit, compute_expm=False)
-        columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
-    columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
-    jacobian = np.stack(columns, axis=-1)
-    turn = weight * np.stack([way, left], axis=1)
-    force = np.einsum("nij,nj->ni", turn, traction)
-    return force.ravel(), np.einsum("nij,njk->nik", turn, jacobian).reshape(-1, len(ELLIPSE))
 
 
 @dataclass(frozen=True, eq=False)
