@@ -240,14 +240,12 @@ def cycle_pair_block(
         gone = finite_array("share of wear", share, ndim=1)
         if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
             raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-        late = "at the end of the data"
-        fresh = (SURFACE[name] for name in SHAPE)
+        fresh, late = (SURFACE[name] for name in SHAPE), "at the end of the data"
         worn = [replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh]
     count += count % 2 - 1
     places = 2.0 * np.pi * np.arange(count) / count
     between, names = interpolation(angles, count), (*CYCLE_UNKNOWNS, *(one.name for one in worn))
     parameters = possible_names(names, loop.slider.outline)
-    columns = [names.index(name) for name in parameters]
 
     def at_nodes(values: Values, late: bool) -> Rows:
         """Turns at the nodes on the fresh or the worn surface, and their derivatives by CYCLE_UNKNOWNS."""
@@ -265,7 +263,7 @@ def cycle_pair_block(
             jacobian *= 1.0 - by_share
             jacobian[:, shape:kept] += by_share * by_worn[:, shape:]
             jacobian[:, kept:] = by_share * by_worn[:, :shape]
-        return predicted - measured, jacobian[:, columns]
+        return predicted - measured, jacobian[:, [names.index(name) for name in parameters]]
 
     def curve(values: Values, around: Array, late: bool) -> Array:
         return interpolation(around, count) @ at_nodes(values, late)[0]
