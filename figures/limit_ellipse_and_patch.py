@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +14,7 @@ from matplotlib.patches import Polygon
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces, friction_ellipse_from_scans
+from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
 from cyclemap.views.style import (
@@ -32,6 +32,9 @@ from cyclemap.views.style import (
 )
 
 from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
+
+if TYPE_CHECKING:
+    import pandas
 
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
@@ -51,13 +54,13 @@ _STEPS = 1000
 class LimitEllipseAndPatch:
     """What the three panels show: a sketched law, the law of plywood with scans and their fit, the patch.
 
-    table : Table I. scans, fitted : None where no scans were found.
+    table : Table I. scans (n, 2) tractions, fitted : None where no scans were found.
     """
 
     sketched: EllipseFriction
     sliding: float
     table: EllipseFriction
-    scans: ScanForces | None
+    scans: Array | None
     fitted: EllipseFriction | None
     patch: PatchForces
 
@@ -65,26 +68,24 @@ class LimitEllipseAndPatch:
 def compute(measured: MeasuredFolder, surface: str = "plywood") -> LimitEllipseAndPatch:
     """Read and fit the friction scans of rect1 on `surface` where there are any, and run one push on the 8 x 8 grid."""
     loop = CollectionLoop.mit("plywood")
-    scans, fitted = measured_scans(measured, surface, loop.model.weight), None
-    if scans is not None:
-        columns = {name: getattr(scans, name) for name in SCAN_FIELDS}
-        fitted = friction_ellipse_from_scans(columns, scans.weight).friction()
+    table, weight, scans, fitted = measured_scans(measured, surface), loop.model.weight, None, None
+    if table is not None:
+        scans, fitted = scan_traction(table, weight), friction_ellipse_from_scans(table, weight).friction()
     return LimitEllipseAndPatch(SKETCHED, SLIDING, loop.material.friction, scans, fitted, patch_forces(loop))
 
 
-def measured_scans(measured: MeasuredFolder, surface: str, weight: float) -> ScanForces | None:
-    """Return the forces of the straight friction scans of rect1 on `surface`; None where fewer than three are found.
+def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame | None:
+    """Return the straight friction scans of rect1 on `surface`; None where fewer than three are found.
 
     Looked for below SURFACE/rect1, as the MIT dataset lays them out; files that cannot be read are passed over.
     """
+    import pandas
+
     home = measured.folder(f"{surface}/rect1")
     folders = [] if home is None else sorted({path.parent for path in home.rglob("record_*")})
     tables = [load_pushes(folder).scans for folder in folders]
     parts = [scans[(scans["surface"] == surface) & (scans["object"] == "rect1")].dropna() for scans in tables]
-    columns = [[part[name].to_numpy() for name in SCAN_FIELDS] for part in parts if len(part)]
-    found = [ScanForces(direction, along, across, weight) for direction, along, across in columns]
-    count = sum(len(part.direction) for part in found)
-    return ScanForces.joined(found) if count >= _FEWEST_SCANS else None
+    return pandas.concat(parts) if sum(map(len, parts)) >= _FEWEST_SCANS else None
 
 
 def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
@@ -138,7 +139,7 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
     if result.scans is not None and result.fitted is not None:
         look: dict[str, Any] = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markersize": 4.0}
-        axes.plot(*result.scans.traction.T, "o", label="friction scans", zorder=2, **look)
+        axes.plot(*result.scans.T, "o", label="friction scans", zorder=2, **look)
         axes.plot(*limit_curve(result.fitted).T, color=MEASURED_EDGE, linewidth=1.5, linestyle="--", label="fitted")
     _traction_axes(axes, 0.34, "Plywood", np.zeros(2))
     legend_above(axes, columns=2)
@@ -189,7 +190,7 @@ def caption(result: LimitEllipseAndPatch) -> str:
     if result.scans is not None and fitted is not None:
         apart = float(np.hypot(*(limit_curve(fitted) - limit_curve(law)).T).max())
         surface = (
-            f"Dots: {len(result.scans.direction)} friction scans; dashed: the ellipse fitted to them, axes "
+            f"Dots: {len(result.scans)} friction scans; dashed: the ellipse fitted to them, axes "
             f"{fitted.mu_a:.4f} and {fitted.mu_b:.4f}, at most {apart:.4f} from Table I."
         )
     return (

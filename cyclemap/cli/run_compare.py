@@ -12,8 +12,9 @@ from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
-from cyclemap.evidence.comparison.compare import Comparison, compare
+from cyclemap.evidence.comparison.compare import compare
 from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.verdicts import Comparison
 from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
@@ -90,7 +91,7 @@ def compare_report(material: str, found: Comparison) -> Json:
             "kind": found.prediction.kind,
             "noise_deg": number(math.degrees(math.sqrt(found.prediction.noise.variance))),
             "posterior_samples": len(found.prediction.samples),
-            "refitted": found.refitted,
+            "refitted": False,  # a loop follows from its settings: nothing was fitted to these data
         },
         "data": {
             "cycles": 0 if found.data.pairs is None else found.data.pairs.theta.size,
@@ -147,7 +148,9 @@ def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
         "rms_deg": degrees(found.agreement.rms),
         "bins": found.agreement.bins,
         "bin_rms_deg": degrees(found.agreement.bin_rms),
-        **degrees_of(found, "measured_turn", "predicted_turn", "bias", "bias_error", "model_error"),
+        "measured_turn_deg": degrees(found.turn.measured_mean),
+        "predicted_turn_deg": degrees(found.turn.predicted_mean),
+        **degrees_of(found.turn, "bias", "bias_error", "model_error"),
         **degrees_of(found, "isotropic_rms", "scatter"),
         "lag_correlation": number(found.lag_correlation),
         "map_test": _p_value(found.p_value),
@@ -155,8 +158,8 @@ def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
 
 
 def _orientations(found: cycle_agreement.OrientationAgreement) -> Json:
-    tests = {name: _p_value(one) for name, one in found.tests.items()}
-    wasserstein = {"statistic_deg": degrees(found.wasserstein.statistic), "p_value": number(found.wasserstein.value)}
+    tests, distance = {name: _p_value(one) for name, one in found.tests.items()}, found.tests["wasserstein"]
+    wasserstein = {"statistic_deg": degrees(distance.statistic), "p_value": number(distance.value)}
     return {
         "count": found.count,
         **{**tests, "wasserstein": wasserstein},

@@ -73,7 +73,7 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
     if drawn.drifting is None or pairs.cycle is None:
         return overlay
     prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
-    return replace(overlay, agreement=cycle_agreement(prediction, pairs, pairs.cycle).agreement)
+    return replace(overlay, agreement=cycle_agreement(prediction, pairs).agreement)
 
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:

@@ -24,8 +24,9 @@ Identifying
 -----------
 identify, Identification, Parameter, ParameterSpace, SurfaceParameters : maximum likelihood of what is unknown
 identified_material : the answer as a material
-DataBlock, FunctionBlock, CyclePairBlock : data of one sort and their prediction
-push_end_block, drag_turn_block, friction_scan_block, wrench_twist_block, collected_blocks : blocks by sort, or all
+DataBlock : data of one sort and their prediction
+push_end_block, drag_turn_block, cycle_pair_block, friction_scan_block, wrench_twist_block : blocks by sort
+collected_blocks : the blocks of all data in files and folders
 friction_ellipse_from_scans, contact_force_ratio : from forces alone
 
 Comparing
@@ -50,8 +51,8 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.evidence.comparison.compare import Comparison, compare
-    from cyclemap.evidence.comparison.verdicts import Verdict
+    from cyclemap.evidence.comparison.compare import compare
+    from cyclemap.evidence.comparison.verdicts import Comparison, Verdict
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
@@ -60,8 +61,8 @@ if TYPE_CHECKING:
         read_wrench_twists,
         wrench_twist_block,
     )
-    from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
-    from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
+    from cyclemap.evidence.data_blocks.stroke_block import cycle_pair_block, drag_turn_block, push_end_block
+    from cyclemap.evidence.identification.data_block import DataBlock
     from cyclemap.evidence.identification.identify import Identification, identify
     from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace, SurfaceParameters
     from cyclemap.evidence.identified_material import identified_material
@@ -118,9 +119,9 @@ else:
     import_on_first_use(__name__)
 
 __all__ = ["Comparison", "Verdict", "compare"]
-__all__ += ["CyclePairBlock", "WrenchTwists", "collected_blocks", "drag_turn_block", "friction_ellipse_from_scans"]
+__all__ += ["WrenchTwists", "collected_blocks", "cycle_pair_block", "drag_turn_block", "friction_ellipse_from_scans"]
 __all__ += ["friction_scan_block", "push_end_block", "read_wrench_twists", "wrench_twist_block"]
-__all__ += ["DataBlock", "FunctionBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
+__all__ += ["DataBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
 __all__ += ["identified_material", "identify"]
 __all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "OrderScores", "PeriodicLaw", "WornLaw", "fit_map"]
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]

@@ -13,10 +13,8 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.force_blocks import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, StrokeBlock
-from cyclemap.evidence.identification.data_block import PRIOR_KIND, PlateBlock
-from cyclemap.evidence.identification.identify import Estimate, Identification, plate_shares
+from cyclemap.evidence.identification.data_block import PRIOR_KIND
+from cyclemap.evidence.identification.identify import Identification, plate_shares
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction, FoundWith, FrameShift, Material, MaterialPosterior, PlatePressure, Wear
@@ -49,21 +47,15 @@ class Derived:
     known: bool = True
 
 
-def _offset(law: EllipseFriction) -> tuple[float, float]:
-    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
-    mean = math.sqrt(law.mu_a * law.mu_b)
-    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
-
-
 # Names, what they are, of which parameters (by their beginning), period of an angle, least value, and law of them.
 _QUANTITIES: tuple[tuple[str, str, str, float, float, Callable[[EllipseFriction], float]], ...] = (
     ("axis_ratio", "longer over shorter axis of the friction ellipse", "ellipticity", 0.0, 1.0,
      lambda law: law.mu_a / law.mu_b),
     ("axis_direction", "direction of the longer axis", "ellipticity", math.pi, 0.0, lambda law: law.phi),
     ("offset_size", "distance of the ellipse's centre from zero, over its mean radius", "offset", 0.0, 0.0,
-     lambda law: _offset(law)[0]),
+     lambda law: math.hypot(law.m0, law.n0) / math.sqrt(law.mu_a * law.mu_b)),
     ("offset_direction", "direction of the ellipse's centre", "offset", 2.0 * math.pi, 0.0,
-     lambda law: _offset(law)[1]),
+     lambda law: math.atan2(law.n0, law.m0) + law.phi),
     ("mean_friction", "mean friction coefficient", "friction_scale", 0.0, 0.0,
      lambda law: math.sqrt(law.mu_a * law.mu_b)),
 )  # fmt: skip
@@ -134,10 +126,7 @@ def _may_vanish(found: Identification, index: list[int]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class StrokeFit:
-    """Turns of strokes of one block: measured and predicted (n,), rad.
-
-    errors : of the places where pushes ended, predicted less measured, (n, 2), m; None of drags.
-    """
+    """Turns of strokes of one block, (n,) rad; errors (n, 2), m, of where pushes ended, None of drags."""
 
     name: str
     measured: Array
@@ -147,10 +136,7 @@ class StrokeFit:
 
 @dataclass(frozen=True, eq=False)
 class CycleFit:
-    """Cycles: orientation and turn measured (n,), rad; the fitted map's turn (k,) over `grid` (k,).
-
-    late : (k,) the same at the end of the data where the surface wears, else None.
-    """
+    """Cycles: orientation and turn measured (n,), rad; the fitted map's turn over `grid` (k,), and late in the wear."""
 
     name: str
     theta: Array
@@ -162,10 +148,9 @@ class CycleFit:
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedCurves:
-    """Friction in units of a traction coefficient: the ellipse (m, 2), its worn state, sampled ones (d, m, 2).
+    """Tractions: the ellipse (m, 2), its worn state or None, sampled ones (d, m, 2), forces (s, 2) of scans or None.
 
-    worn : None where nothing wears. forces : (s, 2) measured by scans, None without. sized : whether the data tell the
-    size of the ellipse, and not its shape alone.
+    sized : whether the data tell the size of the ellipse, and not its shape alone.
     """
 
     ellipse: Array
@@ -177,33 +162,29 @@ class IdentifiedCurves:
     cycles: tuple[CycleFit, ...]
 
 
-def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
-    """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
+def identified_curves(found: Identification, scans: Array | None = None, seed: int = 0) -> IdentifiedCurves:
+    """Compute what is drawn of an identification; `scans` : (s, 2) tractions of its friction scans."""
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
     worn = worn_friction_of(found.values)
     strokes, cycles = [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
-        plain = block.block if isinstance(block, PlateBlock) else block
-        if isinstance(plain, StrokeBlock):
-            measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
+        if block.motions is None:
+            continue
+        theta, turn = block.motions.T
+        if block.curve is None:
             # Each stroke's last row is its turn, those before its place.
-            *place, turn = errors.reshape(measured.size, -1).T
-            strokes.append(StrokeFit(block.name, measured, measured + turn, np.stack(place, -1) if place else None))
-        elif isinstance(plain, CyclePairBlock):
-            values = {name: found.values[own] for name, own in zip(plain.parameters, block.parameters, strict=True)}
-            turns = []
-            for worn_by in (0.0, 1.0) if plain.share is not None else (0.0,):
-                share = None if plain.share is None else np.full(_AROUND.size, worn_by)
-                grid = replace(plain, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=share)
-                turns.append(grid.residuals(values)[0])
-            late = turns[1] if plain.share is not None else None
-            cycles.append(CycleFit(block.name, plain.theta, plain.turn, _AROUND, turns[0], late))
+            *place, off = errors.reshape(turn.size, -1).T
+            strokes.append(StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None))
+        else:
+            values, wears = block.own_values(found.values), any(one.startswith("worn_") for one in block.parameters)
+            late = block.curve(values, _AROUND, True) if wears else None
+            cycles.append(CycleFit(block.name, theta, turn, _AROUND, block.curve(values, _AROUND, False), late))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
         np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
-        None if scans is None else scans.traction,
+        scans,
         "friction_scale" in found.problem.space.names,
         tuple(strokes),
         tuple(cycles),
@@ -286,7 +267,13 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     blocks = [block for block in found.problem.blocks if PRIOR_KIND not in block.kinds]
     data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
     origin = f" in {', '.join(sources)}" if sources else ""
-    free = "; ".join(estimate_words(one) for one in found.estimates)
+    told = []
+    for one in found.estimates:
+        unit, factor = readable_unit(one.unit)
+        value, lower, upper = (f"{round(factor * number, 6):.4g}" for number in (one.value, one.lower, one.upper))
+        words = f"{value} ({lower} to {upper}){unit}" if one.identifiable else "not identifiable"
+        told.append(f"{one.name} {words}")
+    free = "; ".join(told)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
     if found.priors:
         # Beliefs of all plates alike are told once.
@@ -329,23 +316,9 @@ def readable_kind(kind: str) -> tuple[str, str, float]:
     found = re.fullmatch(r"(.*) \((\S+)\)", kind)
     if found is None:
         return kind, "", 1.0
-    unit, factor = _READABLE.get(found[2], (f" {found[2]}", 1.0))
-    return found[1], unit, factor
+    return found[1], *readable_unit(found[2])
 
 
 def readable_unit(unit: str) -> tuple[str, float]:
-    """Return a unit as people read it, and the factor from SI.
-
-    >>> readable_unit("m")
-    (' mm', 1000.0)
-    """
+    """Return a unit as people read it, such as " mm" of "m", and the factor from SI."""
     return _READABLE.get(unit, (f" {unit}", 1.0))
-
-
-def estimate_words(one: Estimate) -> str:
-    """Return a parameter with its interval, in readable units."""
-    unit, factor = readable_unit(one.unit)
-    if not one.identifiable:
-        return f"{one.name} not identifiable"
-    value, lower, upper = (f"{round(factor * number, 6):.4g}" for number in (one.value, one.lower, one.upper))
-    return f"{one.name} {value} ({lower} to {upper}){unit}"

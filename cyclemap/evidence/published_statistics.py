@@ -29,7 +29,6 @@ from cyclemap.mechanics import Material, load_material
 SOURCE = "Ma & Rodriguez 2018, Tables II and III and the text on stable directions"
 PUBLISHED_CYCLES = 2000
 
-Triple = tuple[float, float, float]
 # A run that starts in a named direction starts within this standard deviation of it (rad): it is read off a histogram.
 START_SPREAD = float(np.deg2rad(10.0))
 # Standard deviations of noise beyond which it counts as zero.
@@ -52,31 +51,19 @@ class PublishedStatistics:
     """What is published of one material, in the order dtheta (rad), dx, dy (m, initial object frame).
 
     mean, std : of the pushes. rmse : of them about the paper's fitted law of θ0; rmse_percent : as printed beside it,
-    per cent of a mean that is up to 3 % off that of Table II. directions : rad, where the histogram
-    of θ0 has the peaks that the text names, the one visited first in front. always_advancing : the text sees no stable
-    direction, θ0 always increases. first_share : share of the cycles spent in the first direction, where the run starts
-    there and leaves it for good; None where no such story is told.
+    per cent of a mean that is up to 3 % off that of Table II. directions : rad, where the histogram of θ0 has the peaks
+    that the text names, the one visited first in front. always_advancing : the text sees no stable direction.
+    first_share : of the cycles, spent in the first direction, where the run starts there and leaves it for good.
     """
 
     material: str
-    mean: Triple
-    std: Triple
-    rmse: Triple
-    rmse_percent: Triple
+    mean: tuple[float, ...]
+    std: tuple[float, ...]
+    rmse: tuple[float, ...]
+    rmse_percent: tuple[float, ...]
     directions: tuple[float, ...]
     always_advancing: bool = False
     first_share: float | None = None
-
-    def __post_init__(self) -> None:
-        if not all(0.0 <= r <= s for r, s in zip(self.rmse, self.std, strict=True)):
-            raise InvalidInput(f"{self.material}: a law's error {self.rmse} cannot exceed the spread {self.std}")
-        if self.first_share is not None and len(self.directions) < 2:
-            raise InvalidInput(f"{self.material}: a share of the first direction needs a second one")
-
-    @property
-    def start(self) -> float | None:
-        """Where the run starts (rad), as far as the text tells; None if it does not."""
-        return None if self.first_share is None else self.directions[0]
 
 
 def published_statistics(material: str) -> PublishedStatistics:
@@ -90,52 +77,29 @@ def published_statistics(material: str) -> PublishedStatistics:
     return PUBLISHED[material]
 
 
-def _row(
-    material: str,
-    spreads: tuple[float, ...],
-    errors: tuple[float, ...],
-    directions_deg: tuple[float, ...],
-    always_advancing: bool = False,
-    first_share: float | None = None,
-) -> PublishedStatistics:
-    """A row of both tables as it is printed: std and percent of Δθ (deg), Δx, Δy (mm) in turn; RMSE and percent."""
-    std, percent, rmse, rmse_percent = spreads[::2], spreads[1::2], errors[::2], errors[1::2]
-    mean = [sign * 100.0 * s / p for sign, s, p in zip((1.0, 1.0, -1.0), std, percent, strict=True)]
-    moments: dict[str, Any] = {
-        name: tuple(unit * size for unit, size in zip((math.radians(1.0), 1e-3, 1e-3), sizes, strict=True))
-        for name, sizes in (("mean", mean), ("std", std), ("rmse", rmse))
-    }
-    return PublishedStatistics(
-        material,
-        **moments,
-        rmse_percent=(rmse_percent[0], rmse_percent[1], rmse_percent[2]),
-        directions=tuple(math.radians(angle) for angle in directions_deg),
-        always_advancing=always_advancing,
-        first_share=first_share,
-    )
-
-
-# abs: "stuck in one stable direction" for "about 150 times", then in a second for good; the first has the small peak.
+# As printed: standard deviations of Δθ (deg), Δx, Δy (mm), these in per cent of the means, errors of the fitted law,
+# these in per cent, and directions (deg). abs is "stuck in one stable direction" for "about 150 times", then in a
+# second for good; the first has the small peak.
+_TABLES: dict[str, tuple[tuple[float, ...], ...]] = {
+    "plywood": ((4.74, 2.84, 8.57), (6.86, 7.75, 9.09), (2.07, 0.91, 3.39), (2.99, 2.46, 3.66), (100.0, 280.0)),
+    "abs": ((3.21, 1.59, 5.31), (4.30, 3.97, 7.86), (2.99, 1.56, 3.21), (4.00, 3.88, 4.75), (-150.0, 150.0)),
+    "delrin": ((1.28, 0.97, 3.21), (1.63, 2.49, 6.33), (1.28, 0.81, 1.61), (1.63, 2.07, 3.08), (80.0,)),
+    "pu": ((4.53, 2.93, 11.39), (6.53, 7.30, 13.40), (1.14, 0.60, 1.56), (1.64, 1.49, 1.86), ()),
+}
+_SI = np.array([math.radians(1.0), 1e-3, 1e-3])
 PUBLISHED = MappingProxyType(
     {
-        "plywood": _row(
-            "plywood", (4.74, 6.86, 2.84, 7.75, 8.57, 9.09), (2.07, 2.99, 0.91, 2.46, 3.39, 3.66), (100.0, 280.0)
-        ),
-        "abs": _row(
-            "abs",
-            (3.21, 4.30, 1.59, 3.97, 5.31, 7.86),
-            (2.99, 4.00, 1.56, 3.88, 3.21, 4.75),
-            (-150.0, 150.0),
-            first_share=150.0 / PUBLISHED_CYCLES,
-        ),
-        "delrin": _row("delrin", (1.28, 1.63, 0.97, 2.49, 3.21, 6.33), (1.28, 1.63, 0.81, 2.07, 1.61, 3.08), (80.0,)),
-        "pu": _row(
-            "pu",
-            (4.53, 6.53, 2.93, 7.30, 11.39, 13.40),
-            (1.14, 1.64, 0.60, 1.49, 1.56, 1.86),
-            (),
-            always_advancing=True,
-        ),
+        name: PublishedStatistics(
+            name,
+            tuple((_SI * [1.0, 1.0, -1.0] * 100.0 * std / percent).tolist()),
+            tuple((_SI * std).tolist()),
+            tuple((_SI * rmse).tolist()),
+            rmse_percent,
+            tuple(np.radians(directions).tolist()),
+            always_advancing=name == "pu",
+            first_share=150.0 / PUBLISHED_CYCLES if name == "abs" else None,
+        )
+        for name, (std, percent, rmse, rmse_percent, directions) in _TABLES.items()
     }
 )
 
@@ -153,8 +117,8 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
     of cycles; this one only on what happens in a run. Accurate to the trapezoidal rule: to 1e-4 or better where the
     noise, seen through the map's slope, spans a spacing.
 
-    >>> run_law(np.full(8, 0.3), 1.0, 50).round(12).tolist()
-    [0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]
+    >>> run_law(np.full(4, 0.3), 2.0, 50).round(12).tolist()
+    [0.25, 0.25, 0.25, 0.25]
     """
     from scipy.sparse import csr_array
 
@@ -228,7 +192,9 @@ def predicted_statistics(
     theta = 2.0 * np.pi * np.arange(GRID) / GRID
     # Between the nodes by the Fourier series through them.
     turn, *motions = np.fft.irfft(np.fft.rfft(values, axis=0), GRID, axis=0).T * (GRID / len(values))
-    law = run_law(turn, sigma, cycles, published.start)
+    # A share of the first direction is told of a run that starts there.
+    start = None if published.first_share is None else published.directions[0]
+    law = run_law(turn, sigma, cycles, start)
     mean = np.array(motions) @ law
     variance = (np.array(motions) - mean[:, np.newaxis]) ** 2 @ law + np.square(published.rmse)
     first_share = float("nan")

@@ -8,9 +8,9 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
-from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.verdicts import MOST_SETS, Comparison
 from cyclemap.views import style
 from cyclemap.views.portrait_page import (
     PER_DEGREE,
@@ -49,10 +49,10 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             style.legend_above(turn)
             _draw_histograms(histogram, found.orientations)
             staircase.set_title("Staircase", pad=TITLE_PAD)
-            if found.data.path is None or found.staircase is None:
+            if found.data.pairs.path is None or found.staircase is None:
                 style.say(staircase, "order of the pushes unknown")
             else:
-                draw_staircase(staircase, found.staircase.run, found.data.path)
+                draw_staircase(staircase, found.staircase.run, found.data.pairs.path)
                 staircase.set_xlabel("cycle of the compared path")
                 style.legend_above(staircase)
         if found.pushes:
@@ -64,7 +64,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         told = (data_sentence(found), summary_sentence(found))
         kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
         noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
-        foot = f"predicted by the {kinds.get(found.prediction.kind, 'fit')}{noise}{sets}"
+        foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}"
         style.write_page(figure, headline(name, found), told, foot)
     return figure
 
@@ -174,8 +174,6 @@ def data_sentence(found: Comparison) -> str:
 def trust_sentences(found: Comparison) -> list[str]:
     """What to know before the p-values are believed."""
     told = [f"Not certified: {one}." for one in found.uncertified]
-    if found.refitted:
-        told.append("The prediction was fitted to these data: it was fitted again on every simulated collection.")
     correlation = 0.0 if found.cycle is None else found.cycle.lag_correlation or 0.0
     if found.orientations is not None and abs(correlation) > CORRELATED:
         told.append(
@@ -203,7 +201,7 @@ def explanation_sentences(name: str, found: Comparison) -> list[str]:
     if found.cycle is None:
         return said
     cycle = found.cycle
-    left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.blind_rms}
+    left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.turn.measured_std}
     if cycle.isotropic_rms is not None:
         left[ISOTROPIC] = cycle.isotropic_rms
     told = ", ".join(f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1]))

@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock, push_end_block, surface_model
+from cyclemap.evidence import DataBlock
+from cyclemap.evidence.data_blocks.stroke_block import push_end_block, surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import Pose, Slider, WorldPush
@@ -25,7 +26,7 @@ SURFACE = SurfaceParameters(
 _LENGTH, _DIFFERENCE = 0.115, 1e-5
 
 
-def made_pushes(count: int = PUSHES) -> StrokeBlock:
+def made_pushes(count: int = PUSHES) -> list[MeasuredPush]:
     """Pushes of MIT's square from random places in random directions, without noise."""
     rng, slider = np.random.default_rng(0), Slider.mit("rect1")
     model, pushes = surface_model(SURFACE, slider), []
@@ -35,10 +36,10 @@ def made_pushes(count: int = PUSHES) -> StrokeBlock:
         first, last = ((near[0] + reach * math.cos(way), near[1] + reach * math.sin(way)) for reach in (-_LENGTH, 0.0))
         end = model.push(start, WorldPush(first, way, _LENGTH)).end
         pushes.append(MeasuredPush(start, end, first, last, number))
-    return push_end_block(pushes, slider)
+    return pushes
 
 
-def by_differences(block: StrokeBlock, values: dict[str, float]) -> np.ndarray:
+def by_differences(block: DataBlock, values: dict[str, float]) -> np.ndarray:
     """The derivatives by central differences, one parameter after the other."""
     columns = []
     for name in block.parameters:
@@ -49,13 +50,14 @@ def by_differences(block: StrokeBlock, values: dict[str, float]) -> np.ndarray:
 
 def step_rows() -> list[Row]:
     """A step with all parameters free."""
-    block = made_pushes()
+    made = made_pushes()
+    block = push_end_block(made, Slider.mit("rect1"))
     values = dict.fromkeys(block.parameters, 0.0) | {
         name: value for name, value in SURFACE.values().items() if name in block.parameters
     }
     note = f"{PUSHES} pushes, {len(block.parameters)} parameters"
     model = surface_model(SURFACE, Slider.mit("rect1"))
-    pushes = [(one.start, WorldPush(one.tip_start, one.direction, one.length)) for one in block.strokes]
+    pushes = [(one.start, WorldPush(one.tip_start, one.direction, one.length)) for one in made]
     return [
         Row("residuals and derivatives", seconds(lambda: block.residuals(values), 9), note),
         Row("the pushes alone, one a call", seconds(lambda: [model.push(*one) for one in pushes], 5), note),

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from tests.calibration.__main__ import HEADER, row
 from tests.calibration.p_value_studies import STUDIES
 
 RUNS = 100
@@ -41,13 +40,3 @@ def test_p_values_under_wear_hold_their_level() -> None:
 def test_a_mean_is_within_its_error_as_often_as_it_says() -> None:
     for values in STUDIES["bias"][0](RUNS, 1, 79).values():
         assert rejects_no_more_often(values, 0.05, 0.09)
-
-
-def test_the_table_tells_rates_errors_and_what_cannot_be_reached() -> None:
-    values = np.arange(1, 40) / 40.0
-    line = row("made", values)
-    assert len(line) == len(HEADER)
-    assert line.split()[:3] == ["made", "39", "-"]
-    assert "5.1 ± 3.5 %" in line
-    assert float(line.split()[-1]) > 0.9 and float(row("cubed", values**3).split()[-1]) < 0.01
-    assert "too little" in row("none", np.empty(0))

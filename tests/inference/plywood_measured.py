@@ -13,6 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from cyclemap.collection import Anisotropy, CollectionLoop
 from cyclemap.evidence import read_theta0_pairs
@@ -162,30 +163,19 @@ def residuals(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.nda
 
 
 def fitted(data: Staircase, unknown: np.ndarray, most: int = 30) -> np.ndarray:
-    """Levenberg and Marquardt's method; all sets of unknowns that a step tries are run at once."""
-    turns, damping = node_turns([unknown])[0], 1e-2
-    now = residuals(data, unknown, turns)
-    for _ in range(most):
-        tried = [unknown + step for step in np.diag(STEPS)]
-        every = [*node_turns(tried[:MECHANICS]), *[turns] * (ALL - MECHANICS)]
-        slopes = np.array([residuals(data, one, at) - now for one, at in zip(tried, every, strict=True)]).T / STEPS
-        square = slopes.T @ slopes
-        while damping < 1e4:
-            step = -np.linalg.solve(square + damping * np.diag(np.diag(square) + 1e-9), slopes.T @ now)
-            step = np.clip(step, -1.5, 1.5)
-            there = node_turns([unknown + step])[0]
-            then = residuals(data, unknown + step, there)
-            if then @ then < now @ now:
-                break
-            damping *= 5.0
-        else:
-            return unknown
-        gained = now @ now - then @ then
-        unknown, turns, now, damping = unknown + step, there, then, max(0.2 * damping, 1e-6)
-        print(f"  {now @ now:.1f}", flush=True)
-        if gained < 0.1:
-            return unknown
-    return unknown
+    """Least squares by differences; all sets of unknowns that a derivative takes are run at once."""
+
+    def missed(one: np.ndarray) -> np.ndarray:
+        return residuals(data, one, node_turns([one])[0])
+
+    def slopes(one: np.ndarray) -> np.ndarray:
+        tried = [one + step for step in np.diag(STEPS)]
+        here, *moved = node_turns([one, *tried[:MECHANICS]])
+        moved += [here] * (ALL - MECHANICS)
+        now = residuals(data, one, here)
+        return np.array([residuals(data, at, run) - now for at, run in zip(tried, moved, strict=True)]).T / STEPS
+
+    return least_squares(missed, unknown, slopes, method="lm", max_nfev=most, ftol=1e-4, x_scale="jac").x
 
 
 def noise(data: Staircase, off: np.ndarray) -> CycleNoise:

@@ -16,7 +16,7 @@ import numpy as np
 
 from cyclemap.cli.output import progress_bar
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence import FunctionBlock, SurfaceParameters, identified_material, identify
+from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, cycles_by_unknowns, interpolation
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SURFACE
@@ -79,7 +79,7 @@ def cycle_nodes(surface: SurfaceParameters, loop: CollectionLoop, count: int = N
 
 def statistics_block(
     published: PublishedStatistics, loop: CollectionLoop, nodes: int = NODES, cycles: int = PUBLISHED_CYCLES
-) -> FunctionBlock:
+) -> DataBlock:
     """The published statistics of a material as data that depend on CYCLE_UNKNOWNS; of noise TOLERANCES.
 
     Cycles are computed at `nodes` (odd) orientations with exact derivatives; the law of θ0 is differenced through the
@@ -113,7 +113,7 @@ def statistics_block(
         return here, np.stack([(after - here) / step for after, step in zip(moved, steps, strict=True)], axis=-1)
 
     name = f"published statistics of {published.material}"
-    return FunctionBlock(name, CYCLE_UNKNOWNS, function, np.arange(len(kinds)), np.array(kinds))
+    return DataBlock(name, CYCLE_UNKNOWNS, function, np.arange(len(kinds)), np.array(kinds))
 
 
 def inferred(name: str) -> Material:

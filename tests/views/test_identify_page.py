@@ -7,18 +7,18 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import (
-    CyclePairBlock,
     Identification,
     MeasuredDrag,
     MeasuredPush,
+    cycle_pair_block,
     drag_turn_block,
     friction_scan_block,
     identified_material,
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces
-from cyclemap.evidence.identification.data_block import FunctionBlock, PlateBlock, Values
+from cyclemap.evidence.data_blocks.force_blocks import scan_traction
+from cyclemap.evidence.identification.data_block import DataBlock, Values
 from cyclemap.evidence.identification.surface_parameters import Parameter
 from cyclemap.evidence.identified_material import Derived, IdentifiedCurves, derived_quantities, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
@@ -30,12 +30,12 @@ LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
 WEIGHT = 8.2
 
 
-def scans() -> ScanForces:
+def scans() -> dict[str, np.ndarray]:
     direction = np.linspace(0.0, 6.0, 24)
     way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
     force = WEIGHT * LAW.traction(way) + 0.05 * np.random.default_rng(0).standard_normal((24, 2))
     across = force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
-    return ScanForces(direction, np.sum(force * way, axis=1), across, WEIGHT)
+    return {"direction": direction, "force_along": np.sum(force * way, axis=1), "force_across": across}
 
 
 @pytest.fixture(scope="module")
@@ -49,11 +49,9 @@ def found() -> Identification:
     drags = [MeasuredDrag(Pose(0.05, 0.02 * n, 0.5 * n), Pose(0.0, 0.0, 0.5 * n + 0.1), n) for n in range(2)]
     theta = rng.uniform(0.0, 20.0, 12)
     loop = CollectionLoop.mit("isotropic")
-    cycles = CyclePairBlock("cycles", loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12), 9)
-    measured = scans()
-    table = {name: getattr(measured, name) for name in SCAN_FIELDS}
+    cycles = cycle_pair_block(loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12), 9)
     blocks = [
-        friction_scan_block(table, WEIGHT),
+        friction_scan_block(scans(), WEIGHT),
         cycles,
         push_end_block(pushes, slider),
         drag_turn_block(drags, slider),
@@ -64,7 +62,7 @@ def found() -> Identification:
 
 @pytest.fixture(scope="module")
 def curves(found) -> IdentifiedCurves:
-    return identified_curves(found, scans())
+    return identified_curves(found, scan_traction(scans(), WEIGHT))
 
 
 @pytest.mark.slow
@@ -99,12 +97,12 @@ def test_of_many_plates_a_panel_shows_how_each_presses_and_intervals_are_those_t
     """The bars of a plate add up to its whole weight; what belongs to one plate has no row among the intervals."""
     rest = Parameter("rim_share", "share on the rim", "1", 0.0, 1.0, 0.3, 0.2, 0.0)
 
-    def block(plate: str, share: float) -> PlateBlock:
+    def block(plate: str, share: float) -> DataBlock:
         def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
             off = values["rim_share"] - share + 0.01 * np.cos(np.arange(9.0)) + values["offset_x"] * np.arange(9.0)
             return off, np.column_stack([np.ones(9), np.arange(9.0)])
 
-        return PlateBlock(FunctionBlock("ends", ("rim_share", "offset_x"), law, np.arange(9), "m"), plate, (rest,))
+        return DataBlock("ends", ("rim_share", "offset_x"), law, np.arange(9), "m").of_plate(plate, (rest,))
 
     names = [f"plate{number}" for number in range(14)]
     blocks = [block(name, 0.05 * (number + 1)) for number, name in enumerate(names)]

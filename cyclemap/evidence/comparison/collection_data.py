@@ -66,18 +66,13 @@ class PushSet:
 class CollectionData:
     """What a comparison takes from the data.
 
-    pushes : the sets with end poses. pairs : the cycles of the set that has most, and the push that each begins with
-    (``cycle``, whole numbers); None without any. loop : that makes these cycles: the one given, brought to what the
-    data tell of push and object. path : (m,) rad, unwrapped, θ0 of push ``path_first`` and those that
-    follow it without a gap, flagged ones too; None where their order is unknown. left_out : pushes, by reason.
-    unreadable : files.
+    pushes : the sets with end poses. pairs : the cycles of the set that has most, with the numbers of their pushes and
+    the longest path without a gap; None without any. left_out : pushes, by reason. loop : that makes these cycles: the
+    one given, brought to what the data tell of push and object. unreadable : files.
     """
 
     pushes: tuple[PushSet, ...]
     pairs: Theta0Pairs | None
-    cycle: Array
-    path: Array | None
-    path_first: int
     left_out: Mapping[str, int]
     loop: Any = None
     unreadable: int = 0
@@ -139,24 +134,18 @@ def measured_pairs(path: str | Path) -> Theta0Pairs:
 
 
 def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> CollectionData:
-    cycle, path = np.arange(pairs.theta.size, dtype=float), pairs.path
-    if path is not None:
-        # The place of each pair in the path, in order; the pairs' own order where they are not of the path.
-        angles = iter(enumerate(path[:-1].tolist()))
-        places = [next((place for place, angle in angles if angle == theta), None) for theta in pairs.theta.tolist()]
-        cycle = cycle if None in places else np.array(places, dtype=float)
+    cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
     kept = cycle >= first
     if not kept.any():
         raise InvalidInput(f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes")
-    rest, begin = pairs.unbroken.path, first
-    if path is not None and rest is not None:
-        # Where the longest run without a break begins.
-        skipped = int(np.flatnonzero(path == rest[0])[0])
-        begin = max(first, skipped)
-        rest = rest[begin - skipped :] if rest.size - (begin - skipped) > 1 else None
+    path, number = pairs.unbroken.path, pairs.unbroken.path_cycle
+    if path is not None:
+        number = np.arange(float(path.size)) if number is None else number
+        late = number >= first
+        path, number = (path[late], number[late]) if np.sum(late) > 1 else (None, None)
     left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
-    found = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], rest)
-    return CollectionData((), found, cycle[kept], rest, begin, dict(left_out), loop)
+    found = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], path, cycle=cycle[kept], path_cycle=number)
+    return CollectionData((), found, dict(left_out), loop)
 
 
 def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length: float) -> CollectionData:
@@ -172,12 +161,12 @@ def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length:
     if loop is not None:
         sets = _fitting(sets, loop, left_out)
     pushes = [] if loop is None else _push_sets(sets, loop, length, left_out)
-    pairs, cycle, path, begin, own = _cycles(sets, loop, length, left_out)
+    pairs, own = _cycles(sets, loop, length, left_out)
     counts = {reason: count for reason, count in left_out.items() if count}
     if not pushes and pairs is None:
         told = "; ".join(f"{count}: {reason}" for reason, count in counts.items()) or "it holds none"
         raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({told})")
-    return CollectionData(tuple(pushes), pairs, cycle, path, begin, counts, own, len(given.unreadable))
+    return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,13 +250,13 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
 
 def _cycles(
     sets: list[_Rows], loop: CollectionLoop | None, length: float, left_out: Counter[str]
-) -> tuple[Theta0Pairs | None, Array, Array | None, int, CollectionLoop | None]:
-    """The pairs of the set that has most cycles, their pushes, the path through them, and the loop that makes them."""
+) -> tuple[Theta0Pairs | None, CollectionLoop | None]:
+    """The pairs of the set that has most cycles, and the loop that makes them."""
     counts = [int(np.sum(np.isfinite(one["theta_next"]))) for one in sets]
     most = max(counts, default=0)
     if most < FEWEST_CYCLES:
         left_out[f"cycles, fewer than {FEWEST_CYCLES} of one set"] += sum(counts)
-        return None, np.empty(0), None, 0, loop
+        return None, loop
     left_out[_OTHER_SET] += sum(counts) - most
     rows = sets[counts.index(most)]
     if loop is not None:
@@ -276,7 +265,7 @@ def _cycles(
         far = float(np.median(rows.lengths(length, loop)))
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
             left_out[f"cycles: {NO_LENGTH}"] += most
-            return None, np.empty(0), None, 0, loop
+            return None, loop
         own, push = loop.push, told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
         # One push, but for the three decimals of a file's name and the robot's own errors, is the loop's.
         near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
@@ -288,10 +277,10 @@ def _cycles(
     # The longest run of pushes numbered without a gap.
     linked = np.isfinite(ahead[:-1]) & (np.diff(number) == 1.0)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], linked.astype(np.int8), [0]])))
-    path, begin = None, 0
+    path = run = None
     if edges.size:
         longest = int(np.argmax(edges[1::2] - edges[::2]))
         low, high = edges[::2][longest], edges[1::2][longest]
-        turns = ahead[low:high] - theta[low:high]
-        path, begin = theta[low] + np.concatenate([[0.0], np.cumsum(turns)]), int(number[low])
-    return Theta0Pairs(theta[known], ahead[known], path), number[known], path, begin, loop
+        path = theta[low] + np.concatenate([[0.0], np.cumsum(ahead[low:high] - theta[low:high])])
+        run = number[low : high + 1]
+    return Theta0Pairs(theta[known], ahead[known], path, cycle=number[known], path_cycle=run), loop

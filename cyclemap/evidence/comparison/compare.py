@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path
-from statistics import median
 from typing import Any
+
+import numpy as np
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
 from cyclemap.evidence.comparison.cycle_agreement import (
-    CycleAgreement,
-    DirectionAgreement,
-    OrientationAgreement,
-    StaircaseAgreement,
     cycle_agreement,
     direction_agreement,
     map_misfit,
     orientation_agreement,
     staircase_agreement,
 )
-from cyclemap.evidence.comparison.prediction import Prediction, as_prediction, refit_rule
+from cyclemap.evidence.comparison.prediction import Prediction, as_prediction
 from cyclemap.evidence.comparison.push_agreement import (
-    PushAgreement,
-    QuantityAgreement,
-    mean_distances,
-    pooled_quantities,
     push_agreements,
 )
-from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
+from cyclemap.evidence.comparison.verdicts import Comparison
 from cyclemap.evidence.orientations.collection_null import (
     collection_p_values,
     collection_statistics,
@@ -43,58 +35,12 @@ from cyclemap.maps import Noise, StaircaseSummary, predict_staircase
 
 # A collection shorter than this has no steps or modes worth a test.
 FEWEST_CYCLES = 10
-# More sets of pushes than this are told as one.
-MOST_SETS = 3
 # Collections of the ensemble that gives the predicted law.
 ENSEMBLE = 200
 # Simulated collections whose steps and modes are found: they take some 60 ms each for 1500 cycles.
 MOST_DETAILED = 99
 
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """A prediction beside data; what could not be asked is None or empty.
-
-    prediction, data : both as they were used; ``data.left_out`` counts what was not.
-    pushes : Δθ, Δx, Δy, one entry a set of pushes, the largest first. cycle : the cycle map.
-    orientations : the histogram. directions : stable directions and slow zones. staircase : turns, steps, residences.
-    refitted : whether the prediction had been fitted to these very data, and was fitted again on every simulated
-        collection for the p-values of the map, the orientations and the turns. The p-values of directions, steps and
-        residences are too large then.
-    uncertified : what could not be computed to its tolerance, in words.
-    """
-
-    prediction: Prediction
-    data: CollectionData
-    pushes: tuple[PushAgreement, ...]
-    cycle: CycleAgreement | None
-    orientations: OrientationAgreement | None
-    directions: DirectionAgreement | None
-    staircase: StaircaseAgreement | None
-    refitted: bool
-    uncertified: tuple[str, ...] = ()
-
-    @property
-    def middle(self) -> float:
-        """The push in the middle of those compared, whose map stands for all where the surface wears."""
-        return float(median(self.data.cycle.tolist())) if self.data.cycle.size else 0.0
-
-    @property
-    def told_pushes(self) -> tuple[tuple[str, tuple[QuantityAgreement, ...]], ...]:
-        """The sets of pushes by name with their quantities; more than three are taken together."""
-        if len(self.pushes) > MOST_SETS:
-            return ((f" in {len(self.pushes)} sets", pooled_quantities(self.pushes)),)
-        return tuple((one.name, one.quantities) for one in self.pushes)
-
-    @cached_property
-    def verdicts(self) -> tuple[Verdict, ...]:
-        """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
-        pooled = len(self.pushes) > MOST_SETS
-        parts = (self.cycle, self.orientations, self.directions, self.staircase)
-        distances = mean_distances(self.pushes) if self.pushes else None
-        return all_verdicts(self.told_pushes, distances, *parts, pooled)
 
 
 def compare(
@@ -114,10 +60,10 @@ def compare(
 
     Parameters
     ----------
-    prediction : a ``CollectionLoop`` (its mechanics), a ``CircleMap`` or ``DriftingMap`` with ``noise``, or
-        a ``FittedMap`` (the worn map where it has wear). Cycle n of a map that wears is push n.
+    prediction : a ``CollectionLoop`` (its mechanics), or a ``CircleMap`` or ``DriftingMap`` with ``noise``. Cycle n of
+        a map that wears is push n.
     data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
-    noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees.
+    noise : of one cycle; None takes 1.1 degrees for a loop.
     first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
     select : the surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that are compared.
     push_length : how far the rod moved, m, where the data do not tell; None leaves such pushes out.
@@ -131,11 +77,10 @@ def compare(
     time. Of orientations alone nothing of that is known: the protocol is taken to have made them.
 
     P-values come from simulated collections, as long as the measured one and from the same start, under the predicted
-    map and noise: autocorrelation and wear are in them. Where the prediction was fitted to these very pairs - told by
-    fitting them again - every simulated collection is fitted again too. Where a loop's material has a posterior, each
-    simulated collection is of one of its samples, and errors of means hold what the parameters leave open. The noise of
-    successive cycles is taken as independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values
-    are too small.
+    map and noise: autocorrelation and wear are in them. Of a map that was fitted to these very data they are too large
+    (``collection_p_values`` can fit again). Where a loop's material has a posterior, each simulated collection is of
+    one of its samples, and errors of means hold what the parameters leave open. The noise of successive cycles is taken
+    as independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too small.
 
     Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file, ConvergenceError
     where the loop's cycle map cannot be computed.
@@ -144,7 +89,7 @@ def compare(
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
     >>> path = sample_staircase(sine, noise, 300).theta
     >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=99)
-    >>> found.orientations.watson.value > 0.05, found.cycle.agreement.rms < 0.12, len(found.directions.matches)
+    >>> found.orientations.tests["watson"].value > 0.05, found.cycle.agreement.rms < 0.12, len(found.directions.matches)
     (True, True, 1)
     """
     report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
@@ -152,8 +97,9 @@ def compare(
     collection = collection_data(
         data, loop, first=first, select=select, push_length=push_length, progress=lambda done: report(0.1 * done)
     )
-    last = int(collection.cycle.max()) + 1 if collection.cycle.size else 1
-    wanted = max(last, collection.path_first + (0 if collection.path is None else collection.path.size))
+    pairs = collection.pairs
+    numbers = () if pairs is None else [one for one in (pairs.cycle, pairs.path_cycle) if one is not None]
+    wanted = 1 + int(max((np.max(one) for one in numbers), default=0.0))
     given = prediction if loop is None else collection.loop
     chosen = as_prediction(given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done))
     pushes = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
@@ -164,20 +110,20 @@ def compare(
 
 def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
     """All but the pushes: the cycle map, and where the order of the pushes is known what follows from it."""
-    pairs, path, first = data.pairs, data.path, data.path_first
-    empty = Comparison(prediction, data, (), None, None, None, None, False)
+    pairs = data.pairs
+    empty = Comparison(prediction, data, (), None, None, None, None)
     if pairs is None:
         return empty
-    if path is None or path.size < FEWEST_CYCLES:
-        return replace(empty, cycle=cycle_agreement(prediction, pairs, data.cycle))
-    refit = refit_rule(prediction.given, pairs, data.cycle, first)
-    uncertain, start = prediction.null(first), float(path[0])
+    path = pairs.path
+    if path is None or pairs.path_cycle is None or path.size < FEWEST_CYCLES:
+        return replace(empty, cycle=cycle_agreement(prediction, pairs))
+    first, start = int(pairs.path_cycle[0]), float(path[0])
+    uncertain = prediction.model(first, uncertain=True)
     ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
-        path, uncertain, statistics, runs=runs, seed=seed, refit=refit,
-        ensemble=None if refit else ensemble, progress=lambda done: report(0.5 * done),
-    )  # fmt: skip
+        path, uncertain, statistics, runs=runs, seed=seed, ensemble=ensemble, progress=lambda done: report(0.5 * done)
+    )
     null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
     summary: StaircaseSummary | None = None
     uncertified: tuple[str, ...] = ()
@@ -187,16 +133,11 @@ def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed:
     except ConvergenceError as error:
         uncertified = (f"stable directions and visits: {error}",)
     fixed = None if prediction.is_drifting else summary
-    stairs = staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done))
-    if refit is not None:
-        # The number of turns with the p-value that knows of the fit.
-        stairs = replace(stairs, turns=replace(stairs.turns, p_value=tested["turns"]))
     return replace(
         empty,
-        cycle=cycle_agreement(prediction, pairs, data.cycle, tested["map"]),
+        cycle=cycle_agreement(prediction, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
-        staircase=stairs,
-        refitted=refit is not None,
+        staircase=staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done)),
         uncertified=uncertified,
     )

@@ -13,15 +13,11 @@ from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.comparison.prediction import Prediction
-from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, within_error
+from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quantity_agreement
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.orientations.circular_distance import (
-    PValue,
-    kernel_modes,
-    monte_carlo_p_value,
-)
+from cyclemap.evidence.orientations.circular_distance import PValue, kernel_modes, monte_carlo_p_value
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
@@ -46,65 +42,48 @@ class CycleAgreement:
 
     agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
     off : (n,) measured less predicted turn of each pair. bins : the measured medians.
-    measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error : its standard
-        error, correlation of successive cycles allowed for, and ``model_error`` with it; None below three pairs.
-        model_error : of the predicted mean alone, by how well the material is known; 0 without a posterior.
-    agrees : whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees.
-    isotropic_rms : root mean square that a loop on isotropic friction under even pressure, all else alike, would leave;
-        None of a prediction that is no loop. blind_rms : what one turn for all θ0 would leave.
-    scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
-        map of θ0 alone can do much better than; None where the pairs do not fix it.
+    turn : of the cycles, its mean tested. isotropic_rms : root mean square that a loop on isotropic friction under even
+        pressure, all else alike, would leave; None of a prediction that is no loop.
+    scatter : of the turns about the map with six harmonics that fits these very pairs best; None where they fix none.
     noise : standard deviation of the predicted noise of one cycle.
-    lag_correlation : of what a turn differs from that best map by, with the next one in the data: far from 0 where the
-        surface wears or is disturbed slowly. None with ``scatter``.
+    lag_correlation : of what a turn differs from that best map by, with the next one; None with ``scatter``.
     p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes is unknown.
     """
 
     agreement: MapAgreement
     off: Array
     bins: TurnBins
-    measured_turn: float
-    predicted_turn: float
-    bias: float
-    bias_error: float | None
-    model_error: float
-    agrees: bool | None
+    turn: QuantityAgreement
     isotropic_rms: float | None
-    blind_rms: float
     scatter: float | None
     noise: float
     lag_correlation: float | None
     p_value: PValue | None
 
 
-def cycle_agreement(
-    prediction: Prediction, pairs: Theta0Pairs, cycle: Array, p_value: PValue | None = None
-) -> CycleAgreement:
-    """Set measured pairs, that begin with the pushes ``cycle`` (n,), beside the predicted map."""
-    predicted, best = prediction.turn(pairs.theta, cycle), None
+def cycle_agreement(prediction: Prediction, pairs: Theta0Pairs, p_value: PValue | None = None) -> CycleAgreement:
+    """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted map."""
+    cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
+    (predicted, *sampled), best = prediction.turns(pairs.theta, cycle), None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
-    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), None
+    # How well the material's parameters fix the mean: its standard deviation over the samples.
+    model_error = float(np.std(np.mean(sampled, axis=1), ddof=1)) if sampled else 0.0
+    isotropic = None
     if isinstance(prediction.given, CollectionLoop):
         with suppress(UnsupportedContact):
             # On a surface without direction the turn of a cycle is one for all θ0.
             isotropic = replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
-    bias, error = float(-np.mean(off)), mean_error(off, model_error)
+    turn = quantity_agreement("turn", pairs.turn, predicted, model_error)
     return CycleAgreement(
-        agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
+        agreement=MapAgreement(off.size, turn.rmse, medians.median.size, over_bins),
         off=read_only(off),
         bins=turn_bins(pairs),
-        measured_turn=float(np.mean(pairs.turn)),
-        predicted_turn=float(np.mean(predicted)),
-        bias=bias,
-        bias_error=error,
-        model_error=model_error,
-        agrees=within_error(bias, error, off.size, SEEN_ANGLE),
+        turn=turn,
         isotropic_rms=None if isotropic is None else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
-        blind_rms=float(np.std(pairs.turn)),
         scatter=None if best is None else best.sigma,
         noise=float(np.sqrt(prediction.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,
@@ -115,8 +94,8 @@ def cycle_agreement(
 def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
     """How much of what the turns of each path (k, n) differ from the model's is a smooth function of θ0: shape (k,).
 
-    The F ratio of the least-squares fit of six harmonics to turn less predicted turn: mean square explained over
-    mean square left. It does not depend on the size of the noise. A ``CollectionStatistic``.
+    The F ratio of the least-squares fit of six harmonics: mean square explained over mean square left, whatever the
+    size of the noise. A ``CollectionStatistic``.
     """
     found = np.zeros(len(paths))
     order = min(HARMONICS, (paths.shape[1] - 3) // 4)
@@ -138,23 +117,15 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
 class OrientationAgreement:
     """The recorded orientations beside the predicted ones.
 
-    wasserstein (statistic in rad), total_variation, kuiper, watson : distances from the law of the predicted
+    tests : wasserstein (statistic in rad), total_variation, kuiper, watson: distances from the law of the predicted
         collections, with p-values under simulated collections as long and from the same start.
     measured, predicted : histograms over the same bins, per rad.
     """
 
     count: int
-    wasserstein: PValue
-    total_variation: PValue
-    kuiper: PValue
-    watson: PValue
+    tests: dict[str, PValue]
     measured: AngleHistogram
     predicted: AngleHistogram
-
-    @property
-    def tests(self) -> dict[str, PValue]:
-        """The four by name."""
-        return {name: getattr(self, name) for name in ORIENTATION_TESTS}
 
 
 def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PValue]) -> OrientationAgreement:
@@ -162,20 +133,17 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
     measured = angle_histogram(path)
     bins = measured.density.size
     predicted = AngleHistogram(measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)))
-    tests = {name: tested[name] for name in ORIENTATION_TESTS}
-    return OrientationAgreement(path.size, **tests, measured=measured, predicted=predicted)
+    return OrientationAgreement(path.size, {name: tested[name] for name in ORIENTATION_TESTS}, measured, predicted)
 
 
 @dataclass(frozen=True)
 class DirectionMatch:
     """A predicted direction and the measured mode nearest to it, rad in [0, 2π).
 
-    kind : "stable", "jump", "ghost", as of a ``SlowZone``. centre : of the zone.
-    predicted_mode : mode of the predicted collections' orientations nearest to the centre, by the kernel that the
-        measured modes come from: a ghost's mode lies beside its slowest point. measured_mode : nearest to that.
-    difference : measured less predicted mode, in [-π, π). None where there is no mode.
-    p_value : of a difference so large, among simulated collections; exact for a prediction that was not fitted to
-        these data, else too large.
+    kind, centre : of the ``SlowZone``. predicted_mode : mode of the predicted collections' orientations nearest to the
+        centre (a ghost's lies beside its slowest point). measured_mode : nearest to that. None where there is none.
+    difference : measured less predicted mode, in [-π, π). p_value : of one so large, among simulated collections; exact
+        for a prediction that was not fitted to these data, else too large.
     """
 
     kind: str
@@ -206,22 +174,17 @@ def direction_agreement(
     predicted = kernel_modes(ensemble.paths.ravel()[::stride])
     simulated, matches = [kernel_modes(one) for one in null] if zones else [], []
     for zone in zones:
-        mode = _nearest(zone.centre, predicted)
-        seen = None if mode is None else _nearest(mode, measured)
-        if mode is None or seen is None:
-            matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, None, None))
-            continue
-        # A simulated collection without any mode is as far off as can be.
-        nearest = [_nearest(mode, modes) for modes in simulated]
-        others = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
-        off = float(shorter_way(seen - mode))
-        p_value = monte_carlo_p_value(abs(off), others)
+        mode = seen = off = p_value = None
+        if predicted.size:
+            mode = float(predicted[np.argmin(np.abs(shorter_way(predicted - zone.centre)))])
+        if mode is not None and measured.size:
+            seen = float(measured[np.argmin(np.abs(shorter_way(measured - mode)))])
+            off = float(shorter_way(seen - mode))
+            # A simulated collection without any mode is as far off as can be.
+            others = [float(np.min(np.abs(shorter_way(modes - mode)), initial=np.pi)) for modes in simulated]
+            p_value = monte_carlo_p_value(abs(off), others)
         matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, off, p_value))
     return DirectionAgreement(tuple(matches), read_only(measured))
-
-
-def _nearest(target: float, modes: Array) -> float | None:
-    return float(modes[np.argmin(np.abs(shorter_way(modes - target)))]) if modes.size else None
 
 
 @dataclass(frozen=True)
@@ -245,10 +208,10 @@ class StaircaseAgreement:
     """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths in cycles.
 
     steps : found in the measured path without a model. run : one simulated collection, (n,) rad.
-    turns : whole turns climbed. step_count : steps found. step_height, residence : medians over the steps and the
-        dwells of a collection, dwells that its ends cut off included.
+    turns : whole turns climbed. step_height, residence : medians over the steps and the dwells of a collection, dwells
+        that its ends cut off included.
     theory : the visits to the predicted zones and the pace, against their exact law; None for a map that wears and
-        where that law could not be computed. Its p-values do not know of parameters fitted to the same data.
+        where that law could not be computed.
     """
 
     steps: Steps

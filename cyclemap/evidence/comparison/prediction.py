@@ -1,4 +1,4 @@
-"""What is predicted of a collection: a loop, a map, a fitted map or one that wears, brought to one form."""
+"""What is predicted of a collection: a loop, a map or one that wears, brought to one form."""
 
 from __future__ import annotations
 
@@ -14,17 +14,9 @@ from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.settings import sampled_loop
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.laws.fit_map import FittedMap, fit_worn_law
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-from cyclemap.evidence.orientations.collection_null import CollectionModel, CollectionRefit
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.orientations.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
 
-PREDICTIONS = "a CollectionLoop, a CircleMap or DriftingMap with noise, or a FittedMap"
-# Cycles between which a refitted map that wears is blended, for each degree of its polynomials above one.
-REFIT_KNOTS = 10
-# Coefficients that agree so well were fitted to the same pairs.
-SAME_FIT = 1e-9
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a spread.
 SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
@@ -38,8 +30,7 @@ class Prediction:
     """A prediction in one form.
 
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
-    noise : of one cycle. given : what was handed in.
-    kind : "loop", "map", "drifting map", "fitted map" or "worn fitted map".
+    noise : of one cycle. kind : "loop", "map" or "drifting map". given : what was handed in.
     samples : the maps of samples of the posterior of a loop's material, those that can be run; () without a posterior.
     """
 
@@ -54,27 +45,22 @@ class Prediction:
         """Whether the map changes with the cycle."""
         return isinstance(self.map, DriftingMap)
 
-    def model(self, first: int) -> CollectionModel:
-        """The model of a collection that begins with push ``first``."""
+    def model(self, first: int, uncertain: bool = False) -> CollectionModel:
+        """The model of a collection that begins with push ``first``; ``uncertain`` as far as the parameters are."""
+        if uncertain and self.samples:
+            return PosteriorModel(self.map, self.noise, first, self.samples)
         return CollectionModel(self.map, self.noise, first)
-
-    def null(self, first: int) -> CollectionModel:
-        """The same, whose simulated collections are as uncertain as the parameters are."""
-        return PosteriorModel(self.map, self.noise, first, self.samples) if self.samples else self.model(first)
 
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one push."""
         return self.map if isinstance(self.map, CircleMap) else self.map.at(cycle)
 
-    def turn(self, theta: Array, cycle: Array) -> Array:
-        """The predicted turn (rad) of pairs that start at ``theta`` (n,) in the pushes ``cycle`` (n,)."""
-        return _turn(self.map, theta, cycle)
-
-    def mean_turn_error(self, theta: Array, cycle: Array) -> float:
-        """How well the material's parameters fix the mean of ``turn``: its standard deviation over the samples, rad."""
-        if not self.samples:
-            return 0.0
-        return float(np.std([np.mean(_turn(one, theta, cycle)) for one in self.samples], ddof=1))
+    def turns(self, theta: Array, cycle: Array) -> Array:
+        """Turns (1 + k, n), rad, from ``theta`` (n,) in the pushes ``cycle`` (n,): of the map, then of each sample."""
+        maps = (self.map, *self.samples)
+        return np.array(
+            [one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta for one in maps]
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +79,6 @@ class PosteriorModel(CollectionModel):
         return found
 
 
-def _turn(one: CircleMap | DriftingMap, theta: Array, cycle: Array) -> Array:
-    return one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta
-
-
 def as_prediction(
     given: Any,
     noise: Noise | None,
@@ -107,9 +89,8 @@ def as_prediction(
 ) -> Prediction:
     """Bring a prediction of pushes up to ``last`` to one form.
 
-    noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees (that of measured plywood cycles about
-        a smooth function of θ0), and is refused for a map. tolerance : of a loop's cycle map, rad.
-    A ``FittedMap`` with wear predicts the worn map, its cycles being numbered as the data's pushes are.
+    noise : of one cycle; None takes 1.1 degrees for a loop (the scatter of measured plywood cycles about a smooth
+        function of θ0), and is refused for a map. tolerance : of a loop's cycle map, rad.
 
     Raises InvalidInput for anything else, ConvergenceError where the loop's map cannot be computed.
     """
@@ -122,11 +103,6 @@ def as_prediction(
             )
         kind = "map" if isinstance(given, CircleMap) else "drifting map"
         return Prediction(given, noise, kind, given)
-    if isinstance(given, FittedMap):
-        if given.wear is None:
-            return Prediction(given.map, noise or _scatter(given.sigma), "fitted map", given)
-        chosen = given.drifting_map(last + 1, first=0.0)
-        return Prediction(chosen, noise or _scatter(given.wear.sigma), "worn fitted map", given)
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
     if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
         report = progress or (lambda fraction: None)
@@ -147,7 +123,7 @@ def as_prediction(
             report(0.3 + 0.7 * done / len(loops))
         kept = tuple(samples) if len(samples) > 1 else ()
         return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
-    raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
+    raise InvalidInput(f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap with noise")
 
 
 def posterior_samples(loop: Any) -> list[CollectionLoop]:
@@ -157,48 +133,3 @@ def posterior_samples(loop: Any) -> list[CollectionLoop]:
         return []
     picked = np.linspace(0, len(posterior) - 1, min(SAMPLES, len(posterior))).round().astype(int)
     return [sampled_loop(loop, number) for number in picked.tolist()]
-
-
-def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> CollectionRefit | None:
-    """What fits a simulated collection as the prediction was fitted to these very pairs; None where it was not.
-
-    A fit is told to be of these pairs by fitting them again, with its own orders: the same coefficients come out.
-    The orders are held as they were chosen.
-    """
-    if not isinstance(given, FittedMap) or given.pairs != pairs.theta.size:
-        return None
-
-    def orders(law: PeriodicLaw) -> dict[str, Any]:
-        return {"harmonics": law.harmonics, "noise_harmonics": law.log_variance.size // 2}
-
-    def fit(pairs: Theta0Pairs, cycle: Array) -> FittedMap:
-        law = fit_periodic_law(pairs.theta, pairs.turn, **orders(given.law))
-        if given.wear is None:
-            return FittedMap(law)
-        chosen = {**orders(given.wear.whole), "harmonics": given.wear.harmonics, "degree": given.wear.degree}
-        return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, **chosen))
-
-    same = fit(pairs, cycle)
-    both = [(given.law.coefficients, same.law.coefficients)]
-    if given.wear is not None and same.wear is not None:
-        both.append((given.wear.coefficients, same.wear.coefficients))
-    if not all(a.shape == b.shape and np.allclose(a, b, rtol=SAME_FIT, atol=SAME_FIT) for a, b in both):
-        return None
-
-    def refitted(path: Array) -> CollectionModel:
-        again = fit(Theta0Pairs(path[:-1], path[1:]), first + np.arange(path.size - 1.0))
-        if again.wear is None:
-            return CollectionModel(again.map, _scatter(again.sigma), first)
-        # Blended between evenly spread cycles, at a fraction of the cost: exact for wear linear in the cycle.
-        wear = again.wear
-        knots = np.linspace(wear.first, wear.last, 1 + REFIT_KNOTS * max(0, wear.degree - 1) + 1)
-        drifting = DriftingMap.between([(n, again.map_at(n)) for n in knots.tolist()])
-        return CollectionModel(drifting, _scatter(wear.sigma), first)
-
-    return refitted
-
-
-def _scatter(sigma: float) -> WrappedNormal:
-    if not sigma > 1e-9:
-        raise InvalidInput("the fitted turns lie exactly on a smooth curve: give the noise of a cycle")
-    return WrappedNormal(sigma)

@@ -32,11 +32,10 @@ Distances = tuple[float, float]
 
 @dataclass(frozen=True)
 class QuantityAgreement:
-    """One quantity of a set of pushes, in rad (``dtheta``) or m (``dx``, ``dy``); count pushes.
+    """One quantity of pushes or cycles, in rad (``dtheta``, ``turn``) or m (``dx``, ``dy``), of so many.
 
-    measured_mean, measured_std; predicted_mean, predicted_std : of the pushes, the predictions at their own θ0.
-        measured_std is also the least RMSE of any law that ignores θ0, as an isotropic one does.
-    bias : mean of predicted less measured. spread : standard deviation of that difference. rmse² = bias² + spread².
+    measured_std : also the least RMSE of any law that ignores θ0, as an isotropic one does.
+    bias : mean of predicted less measured, each at its own θ0. spread : standard deviation of that difference.
     bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey & West 1987), and
         ``model_error`` with it; None below three pushes. model_error : of the predicted mean alone, by how well the
         material's parameters are known; 0 where it has no posterior.
@@ -44,7 +43,6 @@ class QuantityAgreement:
     percent, std_percent : RMSE and measured standard deviation in per cent of the measured mean (Ma & Rodriguez 2018,
         Tables II and III); inf for a mean of 0.
     explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
-    All standard deviations are over n.
     """
 
     name: str
@@ -110,17 +108,12 @@ def push_agreements(sets: Sequence[PushSet], report: Callable[[float], None]) ->
                 shifts.append(np.mean(_moved(one.model, loop, starts[::stride]) - predicted[::stride], axis=0))
         measured = np.column_stack([pushes.dtheta, pushes.displacement])
         kept = np.array(shifts) if len(shifts) > 1 else None
-        one_set = PushAgreement(
-            pushes.facts,
-            float(np.median([push.distance for push in pushes.push])),
-            read_only(pushes.theta),
-            read_only(measured),
-            read_only(predicted),
-            read_only(isotropic),
-            _quantities(measured, predicted, kept),
-            kept,
+        length = float(np.median([push.distance for push in pushes.push]))
+        theta, measured, predicted, isotropic = (
+            read_only(some) for some in (pushes.theta, measured, predicted, isotropic)
         )
-        found.append(one_set)
+        quantities = _quantities(measured, predicted, kept)
+        found.append(PushAgreement(pushes.facts, length, theta, measured, predicted, isotropic, quantities, kept))
         report((number + 1) / len(sets))
     return tuple(sorted(found, key=lambda one: -one.count))
 
@@ -182,7 +175,7 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
         rmse=rmse,
         bias_error=error,
         model_error=model_error,
-        agrees=within_error(bias, error, off.size, SEEN_ANGLE if name == "dtheta" else SEEN_LENGTH),
+        agrees=within_error(bias, error, off.size, SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE),
         percent=100.0 * rmse / abs(mean) if mean else float("inf"),
         std_percent=100.0 * deviation / abs(mean) if mean else float("inf"),
         explains=rmse < deviation,

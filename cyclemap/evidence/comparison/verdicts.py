@@ -1,12 +1,13 @@
-"""Verdicts: the answer to each question of a comparison, in words with numbers."""
+"""A comparison and its verdicts: the answer to each question, in words with numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from cyclemap.evidence.comparison.collection_data import CollectionData
 from cyclemap.evidence.comparison.cycle_agreement import (
     CycleAgreement,
     DirectionAgreement,
@@ -15,9 +16,17 @@ from cyclemap.evidence.comparison.cycle_agreement import (
     SimulatedQuantity,
     StaircaseAgreement,
 )
-from cyclemap.evidence.comparison.push_agreement import Distances, QuantityAgreement
+from cyclemap.evidence.comparison.prediction import Prediction
+from cyclemap.evidence.comparison.push_agreement import (
+    PushAgreement,
+    QuantityAgreement,
+    mean_distances,
+    pooled_quantities,
+)
 from cyclemap.evidence.orientations.circular_distance import PValue
 
+# More sets of pushes than this are told as one.
+MOST_SETS = 3
 # A prediction is rejected below this p-value.
 LEVEL = 0.05
 _DEG = float(np.degrees(1.0))
@@ -35,48 +44,72 @@ class Verdict:
     words: str
 
 
-def all_verdicts(
-    pushes: Sequence[tuple[str, tuple[QuantityAgreement, ...]]],
-    distances: tuple[Distances, Distances] | None,
-    cycle: CycleAgreement | None,
-    orientations: OrientationAgreement | None,
-    directions: DirectionAgreement | None,
-    staircase: StaircaseAgreement | None,
-    pooled: bool = False,
-) -> tuple[Verdict, ...]:
-    """Every verdict that the parts of a comparison allow, in this order.
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A prediction beside data; what could not be asked is None or empty.
 
-    pushes : quantities by the name of their set. distances : how far pushes end from the prediction, and from that of
-    isotropic friction. pooled : whether they are of several sets taken together.
+    prediction, data : both as they were used; ``data.left_out`` counts what was not. pushes : one a set, the largest
+    first. orientations : the histogram. directions : stable ones and slow zones. staircase : turns, steps, dwells.
+    uncertified : what could not be computed to its tolerance, in words.
     """
-    found = [_push_verdict(quantity, name, pooled) for name, quantities in pushes for quantity in quantities]
-    if distances is not None:
-        # What knowing the friction is worth: distances, not coordinates; nothing is tested.
-        (off, turned), (even, even_turn) = distances
-        beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
-        words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
-        found.append(Verdict("ends of pushes", None, words))
-    if cycle is not None:
-        found += _cycle_verdicts(cycle)
-    if orientations is not None:
-        # By Watson's test, the others told beside it: one test decides, so that the level holds.
-        told, kept = orientations, _kept(orientations.watson)
-        others = f"Wasserstein distance {_degrees(told.wasserstein.statistic)} ({_p(told.wasserstein)}), "
-        others += f"total variation {told.total_variation.statistic:.2f} ({_p(told.total_variation)})"
-        words = f"The histogram of {told.count} directions {'agrees' if kept else 'is rejected'} by Watson's test "
-        words += f"({_p(told.watson)}): {others}, Kuiper {_p(told.kuiper)}."
-        found.append(Verdict("histogram of directions", kept, words))
-    if directions is not None:
-        found += [_direction_verdict(one) for one in directions.matches]
-    if staircase is not None:
-        asked = [
-            _quantity_verdict("number of turns", staircase.turns, 1.0, " turns", 1),
-            _quantity_verdict("number of steps", staircase.step_count, 1.0, " steps", 0),
-            _quantity_verdict("step height", staircase.step_height, _DEG, "°", 0),
-            _quantity_verdict("residence on a step", staircase.residence, 1.0, " cycles", 0),
-        ]
-        found += [one for one in asked if one is not None]
-    return tuple(found)
+
+    prediction: Prediction
+    data: CollectionData
+    pushes: tuple[PushAgreement, ...]
+    cycle: CycleAgreement | None
+    orientations: OrientationAgreement | None
+    directions: DirectionAgreement | None
+    staircase: StaircaseAgreement | None
+    uncertified: tuple[str, ...] = ()
+
+    @property
+    def middle(self) -> float:
+        """The push in the middle of those compared, whose map stands for all where the surface wears."""
+        pairs = self.data.pairs
+        return 0.0 if pairs is None or pairs.cycle is None else float(np.median(pairs.cycle))
+
+    @property
+    def told_pushes(self) -> tuple[tuple[str, tuple[QuantityAgreement, ...]], ...]:
+        """The sets of pushes by name with their quantities; more than three are taken together."""
+        if len(self.pushes) > MOST_SETS:
+            return ((f" in {len(self.pushes)} sets", pooled_quantities(self.pushes)),)
+        return tuple((one.name, one.quantities) for one in self.pushes)
+
+    @cached_property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
+        pooled, found = len(self.pushes) > MOST_SETS, list[Verdict]()
+        for name, quantities in self.told_pushes:
+            found += [_push_verdict(quantity, name, pooled) for quantity in quantities]
+        if self.pushes:
+            # What knowing the friction is worth: distances, not coordinates; nothing is tested.
+            (off, turned), (even, even_turn) = mean_distances(self.pushes)
+            beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
+            words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
+            found.append(Verdict("ends of pushes", None, words))
+        if self.cycle is not None:
+            found += _cycle_verdicts(self.cycle)
+        if self.orientations is not None:
+            # By Watson's test, the others told beside it: one test decides, so that the level holds.
+            tests = self.orientations.tests
+            p, kept = {name: _p(one) for name, one in tests.items()}, _kept(tests["watson"])
+            wasserstein, varied = (tests[name].statistic for name in ("wasserstein", "total_variation"))
+            by_watson = f"{'agrees' if kept else 'is rejected'} by Watson's test ({p['watson']})"
+            words = f"The histogram of {self.orientations.count} directions {by_watson}: Wasserstein distance "
+            words += f"{_degrees(wasserstein)} ({p['wasserstein']}), total variation {varied:.2f} "
+            words += f"({p['total_variation']}), Kuiper {p['kuiper']}."
+            found.append(Verdict("histogram of directions", kept, words))
+        if self.directions is not None:
+            found += [_direction_verdict(one) for one in self.directions.matches]
+        if self.staircase is not None:
+            asked = [
+                _quantity_verdict("number of turns", self.staircase.turns, 1.0, " turns", 1),
+                _quantity_verdict("number of steps", self.staircase.step_count, 1.0, " steps", 0),
+                _quantity_verdict("step height", self.staircase.step_height, _DEG, "°", 0),
+                _quantity_verdict("residence on a step", self.staircase.residence, 1.0, " cycles", 0),
+            ]
+            found += [one for one in asked if one is not None]
+        return tuple(found)
 
 
 def _push_verdict(found: QuantityAgreement, whose: str, pooled: bool) -> Verdict:
@@ -97,17 +130,18 @@ def _push_verdict(found: QuantityAgreement, whose: str, pooled: bool) -> Verdict
         for size, share in zip((found.rmse, found.measured_std), shares, strict=True)
     )
     better = "below" if found.explains else "not below"
-    words = f"The mean {name}{whose} {_means(found.measured_mean, found.predicted_mean, scale, unit, found.agrees)} "
+    words = f"The mean {name}{whose} {_means(found, scale, unit)} "
     words += f"{over}; RMSE {rmse}, {better} the {least} that a law blind to θ0 can reach."
     return Verdict(f"mean {name}{whose}", found.agrees, words)
 
 
-def _means(measured: float, predicted: float, scale: float, unit: str, agrees: bool | None) -> str:
-    kept = {True: "agrees within its error", False: "is off", None: "is"}[agrees]
-    return f"{kept}: {_fixed(scale * measured, 2)}{unit} measured, {_fixed(scale * predicted, 2)}{unit} predicted"
+def _means(found: QuantityAgreement, scale: float, unit: str) -> str:
+    kept = {True: "agrees within its error", False: "is off", None: "is"}[found.agrees]
+    measured, predicted = (_fixed(scale * mean, 2) for mean in (found.measured_mean, found.predicted_mean))
+    return f"{kept}: {measured}{unit} measured, {predicted}{unit} predicted"
 
 
-def _error(found: QuantityAgreement | CycleAgreement, scale: float, unit: str) -> str:
+def _error(found: QuantityAgreement, scale: float, unit: str) -> str:
     """The error of a difference, and how much of it is that of the material's parameters."""
     if found.bias_error is None:
         return ""
@@ -117,10 +151,9 @@ def _error(found: QuantityAgreement | CycleAgreement, scale: float, unit: str) -
 
 
 def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
-    error, agreement = _error(found, _DEG, "°"), found.agreement
-    means = _means(found.measured_turn, found.predicted_turn, _DEG, "°", found.agrees)
-    words = f"The mean turn of a cycle {means}{f' ({error})' if error else ''}."
-    question = Verdict("mean turn of a cycle", found.agrees, words)
+    error, agreement = _error(found.turn, _DEG, "°"), found.agreement
+    words = f"The mean turn of a cycle {_means(found.turn, _DEG, '°')}{f' ({error})' if error else ''}."
+    question = Verdict("mean turn of a cycle", found.turn.agrees, words)
     beside = "" if found.isotropic_rms is None else f" (isotropic friction {_degrees(found.isotropic_rms)})"
     misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}"
     if agreement.bins:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import DataFileError, InvalidInput
@@ -19,21 +20,27 @@ from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
-    ScanForces,
     force_ratio_block,
     friction_scan_block,
     read_wrench_twists,
+    scan_traction,
     sliding_forces,
     wrench_twist_block,
 )
-from cyclemap.evidence.data_blocks.stroke_block import CyclePairBlock, drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.stroke_block import cycle_pair_block, drag_turn_block, push_end_block
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
+from cyclemap.evidence.identification.surface_parameters import Parameter
 from cyclemap.evidence.pushes.measured_strokes import (
     NO_LENGTH,
     CsvSelection,
     MeasuredPush,
+    RowSelection,
+    pushes_of,
     read_measured_drags,
     read_measured_pushes,
+    select_csv,
+    select_pushes,
+    told,
     told_push,
 )
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
@@ -114,8 +121,7 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
 class BlockBuilder:
     """Blocks of data and notes on what they hold and what stays out, file by file and plate by plate.
 
-    What blocks are made with: see `collected_blocks`. Blocks that are added are of the file and the plate that the
-    builder was turned to last.
+    What blocks are made with: see `collected_blocks`.
     """
 
     def __init__(
@@ -127,40 +133,82 @@ class BlockBuilder:
         self.blocks: list[DataBlock] = []
         self.plates: list[str] = []
         self.notes: list[str] = []
-        self.scans: list[ScanForces] = []
+        self.scans: list[Array] = []
         self.last_cycle = 0.0
 
-    def turn_to(self, plate: str) -> None:
-        """Go on with a plate of the file."""
-        self.plate, self.loop = plate, loop_of_plate(self.given, plate)
+    def add_file(
+        self, path: Path, sort: str, selection: RowSelection, progress: Progress
+    ) -> tuple[frozenset[str], frozenset[str]]:
+        """Add the blocks of one sort of data in a file; return the surfaces and the objects that it tells of."""
+        self.path = path
+        is_table = sort not in (RECORDS, CYCLES)
+        if is_table:
+            rows = select_csv(path, selection)
+            left_out, surfaces, objects = rows.left_out, rows.surfaces, rows.objects
+        else:
+            pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
+            surfaces, objects = (told(pushes.table, name) | told(pushes.scans, name) for name in ("surface", "object"))
+        self._leave_out(left_out)
+        plates = [] if len(surfaces) > 1 else sorted(objects) or [self.given.slider.name]
+        for number, plate in enumerate(plates):
+            self.plate, self.loop, alone = plate, loop_of_plate(self.given, plate), len(plates) < 2
+            if is_table:
+                own_rows = rows if alone else select_csv(path, replace(selection, objects=(plate,)))
+                if own_rows.texts:
+                    self._add_table(sort, own_rows)
+                continue
+            own = pushes if alone else pushes_of(pushes, plate)
+            if sort == CYCLES:
+                self._add_cycles(own)
+                self._add_posed(own.table)
+            else:
+                self._add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
+        return surfaces, objects
 
-    def add(self, block: DataBlock, words: str) -> None:
-        """Add a block, and a note of what it holds."""
+    def named(self, owned: Sequence[Parameter]) -> tuple[DataBlock, ...]:
+        """Return the blocks, those of several plates with unknowns of their own; equal names get a number behind."""
+        blocks = self.blocks
+        if len(set(self.plates)) > 1:
+            blocks = [block.of_plate(plate, owned) for block, plate in zip(blocks, self.plates, strict=True)]
+        names = [block.name for block in blocks]
+        return tuple(
+            replace(block, name=f"{block.name} {names[: number + 1].count(block.name)}")
+            if names.count(block.name) > 1
+            else block
+            for number, block in enumerate(blocks)
+        )
+
+    def _note(self, words: str) -> None:
+        self.notes.append(f"{self.path}: {words}")
+
+    def _add(self, block: DataBlock, words: str) -> None:
+        """Add a block of the plate, and a note of what it holds."""
         self.blocks.append(block)
         self.plates.append(self.plate)
-        self.notes.append(f"{self.path}: {words} of {self.plate}")
+        self._note(f"{words} of {self.plate}")
 
-    def leave_out(self, counts: Counter[str]) -> None:
+    def _leave_out(self, counts: Counter[str]) -> None:
         """Note how many rows of the file stay out, and why."""
-        self.notes += [f"{self.path}: {count} left out: {reason}" for reason, count in (+counts).items()]
+        for reason, count in (+counts).items():
+            self._note(f"{count} left out: {reason}")
 
-    def add_records(self, pushes: PushTable, progress: Progress | None = None) -> None:
+    def _add_records(self, pushes: PushTable, progress: Progress) -> None:
         """Add what files of the MIT layout tell: friction scans, cycles of repeated pushes, their ends and forces."""
         if pushes.unreadable:
             one = pushes.unreadable[0]
             reason = f"unreadable, the first {one.path.name}: {one.reason}"
-            self.leave_out(Counter({reason: len(pushes.unreadable)}))
+            self._leave_out(Counter({reason: len(pushes.unreadable)}))
         columns = {name: pushes.scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS}
         known = np.all(np.isfinite([*columns.values()]), axis=0)
-        self.leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
+        self._leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
         if np.any(known):
             table, weight = {name: column[known] for name, column in columns.items()}, self.loop.model.weight
-            self.scans.append(ScanForces(**table, weight=weight))
-            self.add(friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
-        self.add_cycles(pushes)
+            self.scans.append(scan_traction(table, weight))
+            self._add(friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
+        self._add_cycles(pushes)
         self._add_pushes(pushes.table, progress)
 
-    def add_cycles(self, pushes: PushTable) -> None:
+    def _add_cycles(self, pushes: PushTable) -> None:
         """Add a block of cycles for each set of pushes that were repeated at one contact."""
         for one in push_sets(pushes) if len(pushes.table) else ():
             pairs = one.pairs
@@ -169,20 +217,19 @@ class BlockBuilder:
             number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
             late = number >= self.first
             count = int(np.sum(late))
-            early = {f"cycles before {self.first}": late.size - count}
-            self.leave_out(Counter({**early, **pairs.dropped}))
+            self._leave_out(Counter({f"cycles before {self.first}": late.size - count, **pairs.dropped}))
             if count < _FEWEST_CYCLES:
-                self.notes.append(f"{self.path}: {count} cycles of {one.name} left out: too few")
+                self._note(f"{count} cycles of {one.name} left out: too few")
                 continue
             place = {name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts}
             loop = replace(self.loop, push=replace(self.loop.push, **place))
             since = number[late] - self.first
             share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
-            block = CyclePairBlock("cycles", loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
+            block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
             self.last_cycle = max(self.last_cycle, float(np.max(since)))
-            self.add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
+            self._add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
 
-    def add_posed(self, table: pandas.DataFrame) -> None:
+    def _add_posed(self, table: pandas.DataFrame) -> None:
         """Add ends of pushes without the places of the rod: it went from its first touch on as the loop's does."""
         posed = table[["x0", "dtheta"]].notna().all(axis=1) & ~(table["repetition"] < self.first)
         rows = table[posed].to_dict("records")
@@ -197,32 +244,35 @@ class BlockBuilder:
             end = Pose(row["x1"], row["y1"], row["theta1"])
             tips = start.to_world(*place), start.to_world(*(place + push.distance * way))
             pushes.append(MeasuredPush(start, end, *tips, contact=len(pushes)))
-        self.leave_out(Counter({f"ends of pushes: {NO_LENGTH}": len(rows) - len(pushes)}))
+        self._leave_out(Counter({f"ends of pushes: {NO_LENGTH}": len(rows) - len(pushes)}))
         self._add_push_ends(pushes)
 
-    def _add_pushes(self, table: pandas.DataFrame, progress: Progress | None) -> None:
+    def _add_pushes(self, table: pandas.DataFrame, progress: Progress) -> None:
         """Add ends and forces of recorded pushes."""
         late = ~(table["repetition"].to_numpy(dtype=float) < self.first)
         steady = np.nan_to_num(table["acceleration"].to_numpy(dtype=float)) == 0.0
-        self.leave_out(Counter({"pushed with acceleration": int(np.sum(~steady & late))}))
+        self._leave_out(Counter({"pushed with acceleration": int(np.sum(~steady & late))}))
         rows = table[steady & late].to_dict("records")
         chosen = _thinned(rows, self.most)
         if len(chosen) < len(rows):
-            self.notes.append(f"{self.path}: every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
+            self._note(f"every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
         places: list[tuple[float, float]] = []
         pushes: list[MeasuredPush] = []
         records: list[PushRecord] = []
         for number, row in enumerate(chosen):
             record = read_push_file(row["path"])
             assert isinstance(record, PushRecord)
-            if _is_straight(record):
-                (x0, y0), (x1, y1) = record.tip_pose[[0, -1], 1:3].tolist()
-                pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), (x0, y0), (x1, y1)))
+            tip = record.tip_pose[:, 1:3]
+            length = float(np.hypot(*(tip[-1] - tip[0])))
+            # How far the tip strays from the straight line between its ends.
+            beside = (tip - tip[0]) @ [tip[0, 1] - tip[-1, 1], tip[-1, 0] - tip[0, 0]]
+            if length > _STRAIGHT and np.max(np.abs(beside)) <= _STRAIGHT * length:
+                first, last = (tuple(place) for place in tip[[0, -1]].tolist())
+                pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), first, last))
                 places.append((row["side"], row["fraction"]))
                 records.append(record)
             part_of(progress, number, len(chosen))(1.0)
-        crooked = len(chosen) - len(records)
-        self.leave_out(Counter({"pushes whose tip did not go straight": crooked}))
+        self._leave_out(Counter({"pushes whose tip did not go straight": len(chosen) - len(records)}))
         if not records:
             return
         # Pushes are grouped by contact where there are many contacts, else by runs of repetitions.
@@ -234,17 +284,16 @@ class BlockBuilder:
         sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
         pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
         if pieces < _FEWEST_PIECES:
-            self.notes.append(f"{self.path}: forces not used: the rod slides in {pieces} pieces of pushes")
+            self._note(f"forces not used: the rod slides in {pieces} pieces of pushes")
         else:
-            block = force_ratio_block(sliding)
-            self.add(block, f"{pieces} force ratios while the rod slides, in {count} pushes")
+            self._add(force_ratio_block(sliding), f"{pieces} force ratios while the rod slides, in {count} pushes")
 
     def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
         kept = _thinned(pushes, self.most)
         if kept:
-            self.add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
+            self._add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
 
-    def add_csv(self, sort: str, rows: CsvSelection) -> None:
+    def _add_table(self, sort: str, rows: CsvSelection) -> None:
         """Add what a CSV table of push ends, drag-backs, or wrenches and twists tells."""
         if sort == PUSH_ENDS:
             pushes: list[MeasuredPush] = []
@@ -254,35 +303,33 @@ class BlockBuilder:
                 part = read_measured_pushes(self.path, texts)
                 pushes += [replace(push, contact=count + push.contact) for push in part]
                 count = max((push.contact for push in pushes), default=-1) + 1
-            far = sum(rows.rows) - len(pushes)
-            self.leave_out(Counter({"the tip was not where it was sent": far}))
+            self._leave_out(Counter({"the tip was not where it was sent": sum(rows.rows) - len(pushes)}))
             if count < _FEWEST_CONTACTS:
                 pushes = [replace(push, contact=number) for number, push in enumerate(pushes)]
             self._add_push_ends(pushes)
         elif sort == DRAG_BACKS:
             drags = [drag for texts in rows.texts for drag in read_measured_drags(self.path, texts)]
             kept = _thinned([replace(drag, contact=k) for k, drag in enumerate(drags)], self.most)
-            self.add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
+            self._add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
         else:
-            self._add_wrenches(rows)
+            self._add_wrenches(next(iter(rows.surfaces), None), bool(rows.left_out))
 
-    def _add_wrenches(self, rows: CsvSelection) -> None:
-        outline, surface = self.loop.slider.outline, next(iter(rows.surfaces), None)
-        if rows.left_out and surface is None:
-            told = "not used: rows of several objects, and no surface to tell them apart"
-            self.notes.append(f"{self.path}: {told}")
+    def _add_wrenches(self, surface: str | None, several: bool) -> None:
+        if several and surface is None:
+            self._note("not used: rows of several objects, and no surface to tell them apart")
             return
+        outline = self.loop.slider.outline
         data = read_wrench_twists(self.path, rho=outline.extent, surface=surface)
-        block = wrench_twist_block(data, outline, self.loop.model.weight)
         scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
-        self.add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
+        block = wrench_twist_block(data, outline, self.loop.model.weight)
+        self._add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
         table = read_csv_table(self.path)
         if "source" in table.header:
             same = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
             sources = sorted({table.text(row, "source") for row in same})
             if len(sources) > 1:
-                told = f"pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
-                self.notes.append(f"{self.path}: {told}")
+                listed = ", ".join(sources)
+                self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
 
 
 def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
@@ -296,20 +343,9 @@ def _cycle_groups(count: int) -> Labels:
     return np.arange(count) // min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP)
 
 
-def _is_straight(record: PushRecord) -> bool:
-    place = record.tip_pose[:, 1:3] - record.tip_pose[0, 1:3]
-    length = float(np.hypot(*place[-1]))
-    if length <= _STRAIGHT:
-        return False
-    along = place[-1] / length
-    return bool(np.max(np.abs(place @ (-along[1], along[0]))) <= _STRAIGHT)
-
-
 def _thinned(rows: Sequence[Any], most: int) -> list[Any]:
     """At most so many of the rows, evenly spread."""
-    if len(rows) <= most:
-        return list(rows)
-    return [rows[k] for k in np.unique(np.linspace(0, len(rows) - 1, most).round().astype(int)).tolist()]
+    return [rows[k] for k in np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int))]
 
 
 def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:

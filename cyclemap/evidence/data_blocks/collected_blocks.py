@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
-    CYCLES,
     LAYOUTS,
-    RECORDS,
     BlockBuilder,
     loop_of_plate,
     recognise,
 )
-from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import NODES, TIP_OFFSET
-from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
+from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
-from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
+from cyclemap.evidence.pushes.measured_strokes import RowSelection
 from cyclemap.mechanics import MIT_SHAPE_NAMES
 from cyclemap.text_files import file_stem
 
@@ -36,17 +35,17 @@ _OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
 class CollectedBlocks:
     """Blocks of data of one surface, of one object or of several.
 
-    blocks : of unlike names; of several objects each is a `PlateBlock`. notes : what was recognised, what was left out
+    blocks : of unlike names; of several objects each is that of a plate. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
-    scans : forces of friction scans, None without. last_cycle : number of the last cycle behind the first one used, 0
-    where it is unknown.
+    scans : (n, 2) tractions of friction scans, None without. last_cycle : number of the last
+    cycle behind the first one used, 0 where it is unknown.
     """
 
     blocks: tuple[DataBlock, ...]
     notes: tuple[str, ...]
     surface: str | None
     loop: CollectionLoop
-    scans: ScanForces | None
+    scans: Array | None
     last_cycle: float
 
 
@@ -73,7 +72,7 @@ def collected_blocks(
     first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
     push_length : how far the rod of pushes went from its first touch, m, where tables of poses do not tell; None leaves
         the ends of such pushes out.
-    most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `CyclePairBlock`;
+    most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `cycle_pair_block`;
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
 
     A push of a repeated set tells its end and its cycle's end: their errors are taken as independent.
@@ -94,7 +93,7 @@ def collected_blocks(
     unused = list(dict.fromkeys(file for _, others in found for file in others))
     surfaces, shapes = set[str](), set[str]()
     for number, (path, sort) in enumerate(files):
-        on, of = _add(builder, path, sort, selection, part_of(progress, number, len(files)))
+        on, of = builder.add_file(path, sort, selection, part_of(progress, number, len(files)))
         surfaces, shapes = surfaces | on, shapes | of
     if len(surfaces) > 1:
         raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
@@ -108,54 +107,9 @@ def collected_blocks(
             raise InvalidInput(f"no such {facts}; {listed}")
         raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
     notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
-    scans = ScanForces.joined(builder.scans) if builder.scans else None
+    scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    return CollectedBlocks(_named_apart(builder), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
-
-
-def _add(
-    builder: BlockBuilder, path: Path, sort: str, selection: RowSelection, progress: Progress
-) -> tuple[frozenset[str], frozenset[str]]:
-    """Add a file's blocks and notes to what is built; return the surfaces and the objects that it tells of."""
-    builder.path = path
-    if sort not in (RECORDS, CYCLES):
-        rows = select_csv(path, selection)
-        builder.leave_out(rows.left_out)
-        if len(rows.surfaces) > 1:
-            return rows.surfaces, rows.objects
-        for plate in sorted(rows.objects) or [builder.given.slider.name]:
-            chosen = rows if len(rows.objects) < 2 else select_csv(path, replace(selection, objects=(plate,)))
-            if chosen.texts:
-                builder.turn_to(plate)
-                builder.add_csv(sort, chosen)
-        return rows.surfaces, rows.objects
-    pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
-    builder.leave_out(left_out)
-    surfaces, objects = (told(pushes.table, name) | told(pushes.scans, name) for name in ("surface", "object"))
-    plates = [] if len(surfaces) > 1 else sorted(objects) or [builder.given.slider.name]
-    for number, plate in enumerate(plates):
-        own = pushes if len(plates) < 2 else pushes_of(pushes, plate)
-        builder.turn_to(plate)
-        if sort == CYCLES:
-            builder.add_cycles(own)
-            builder.add_posed(own.table)
-        else:
-            builder.add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
-    return surfaces, objects
-
-
-def _named_apart(builder: BlockBuilder) -> tuple[DataBlock, ...]:
-    """The blocks, of several plates each with its plate's, and with a number behind names that several have."""
-    blocks = builder.blocks
-    if len(set(builder.plates)) > 1:
-        blocks = [PlateBlock(block, plate, _OWNED) for block, plate in zip(blocks, builder.plates, strict=True)]
-    counts, seen, named = Counter(block.name for block in blocks), Counter[str](), []
-    for block in blocks:
-        if counts[block.name] > 1:
-            seen[block.name] += 1
-            block = replace(block, name=f"{block.name} {seen[block.name]}")  # type: ignore[type-var]
-        named.append(block)
-    return tuple(named)
+    return CollectedBlocks(builder.named(_OWNED), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
 
 
 def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
@@ -164,8 +118,7 @@ def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     Ellipse, offset and pusher friction wherever a block depends on them, how each plate presses and each data set's
     frame is shifted, friction in the ring with drags or cycles, and how the surface wears.
 
-    >>> from cyclemap.evidence.identification.data_block import FunctionBlock
-    >>> telling_parameters([FunctionBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
+    >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}

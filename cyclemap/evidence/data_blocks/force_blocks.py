@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values, checked_labels, set_fields
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
@@ -47,50 +47,35 @@ RATIO_KIND = "force ratio (1)"
 SLIDING, STICKING = 0.1, 0.03
 
 
-@dataclass(frozen=True, eq=False)
-class ScanForces:
-    """direction (n,) : rad, of the motion. force_along, force_across (n,) : N, of the rod. weight : N, of the object.
+def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
+    """Return direction (rad) and the rod's forces along and across (N) of friction scans, (3, n); see the block."""
+    missing = [name for name in SCAN_FIELDS if name not in scans]
+    if missing:
+        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
+    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
+    if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
+        raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
+    for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
+        raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
+    return np.array(columns)
 
-    Raises InvalidInput where lengths differ or a number is not finite (NaN: leave such scans out).
 
-    >>> ScanForces([0.0], [2.0], [0.5], 8.0).traction.tolist()
+def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> Array:
+    """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an object, weight N.
+
+    >>> scan_traction({"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}, 8.0).tolist()
     [[0.25, 0.0625]]
     """
-
-    direction: Array
-    force_along: Array
-    force_across: Array
-    weight: float
-
-    def __post_init__(self) -> None:
-        columns = [np.array(getattr(self, name), dtype=float) for name in SCAN_FIELDS]
-        if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
-            raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
-        for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
-            raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
-        set_fields(self, **{name: read_only(column) for name, column in zip(SCAN_FIELDS, columns, strict=True)})
-        positive_number("weight", self.weight)
-
-    @classmethod
-    def joined(cls, parts: Sequence[ScanForces]) -> ScanForces:
-        """Return several sets of scans of one object as one."""
-        direction, along, across = (np.concatenate([getattr(part, name) for part in parts]) for name in SCAN_FIELDS)
-        return cls(direction, along, across, parts[0].weight)
-
-    @property
-    def traction(self) -> Array:
-        """(n, 2) traction coefficient along x and y of the world."""
-        way = np.stack([np.cos(self.direction), np.sin(self.direction)], axis=-1)
-        left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
-        return np.asarray((self.force_along[:, None] * way + self.force_across[:, None] * left) / self.weight)
+    direction, along, across = scan_columns(scans)
+    c, s = np.cos(direction), np.sin(direction)
+    return np.stack([along * c - across * s, along * s + across * c], axis=-1) / positive_number("weight", weight)
 
 
-def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> FunctionBlock:
+def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> DataBlock:
     """Return friction scans as a block of data.
 
-    scans : columns `direction` (rad, of the motion in the world), `force_along` and `force_across` (N, of the rod on
-    the object, the second to the left of the motion), as `PushTable.scans` has them, or arrays by these names.
-    weight : N, of the object.
+    scans : columns, or arrays by these names: `direction` (rad, of the motion in the world), `force_along` and
+    `force_across` (N, of the rod on the object, the second to the left of the motion). weight : N, of the object.
 
     Carried in translation all points of the object slide alike, however the pressure is spread, and the force is the
     weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2). Rows are along then across for each scan;
@@ -104,21 +89,39 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
     True
     """
-    missing = [name for name in SCAN_FIELDS if name not in scans]
-    if missing:
-        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
-    given = ScanForces(**{name: np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS}, weight=weight)
-    direction, measured = given.direction, np.stack([given.force_along, given.force_across], axis=-1).ravel()
+    from scipy.linalg import expm, expm_frechet
+
+    positive_number("weight", weight)
+    direction, *forces = scan_columns(scans)
+    measured = np.stack(forces, axis=-1).ravel()
     # Directions that differ by full turns are one.
     step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
     found, number = np.unique(np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True)
     groups = np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
 
-    def function(values: Values) -> tuple[Array, Array]:
-        force, jacobian = _predicted(values, direction, weight)
-        return force - measured, jacobian
+    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
+    left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
+    turn = weight * np.stack([way, left], axis=1)
+    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
 
-    return FunctionBlock("friction scans", ELLIPSE, function, groups, np.full(len(measured), SCAN_KIND))
+    def function(values: Values) -> tuple[Array, Array]:
+        # With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is
+        # mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a
+        # circle included.
+        surface = SurfaceParameters.from_values(values)
+        traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
+        exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
+        push = way @ expm(exponent)
+        size = np.sqrt(np.sum(push * way, axis=1))[:, None]
+        columns = [traction]
+        for unit in (by_x, by_y):
+            moved = way @ expm_frechet(exponent, unit, compute_expm=False)
+            columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
+        columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
+        force = np.einsum("nij,nj->ni", turn, traction).ravel()
+        return force - measured, np.einsum("nij,njk->nik", turn, np.stack(columns, axis=-1)).reshape(-1, len(ELLIPSE))
+
+    return DataBlock("friction scans", ELLIPSE, function, groups, np.repeat(SCAN_KIND, measured.size))
 
 
 def friction_ellipse_from_scans(
@@ -126,52 +129,18 @@ def friction_ellipse_from_scans(
 ) -> Identification:
     """Identify the friction ellipse from friction scans alone; arguments as in `friction_scan_block`.
 
-    noise : N, of a scan's force component, if it is known. Intervals are by covariance: the law is nearly linear. Over
-    200 seeded sets of 4 to 72 directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
-    repeats of a direction share most of their error. Scans in fewer than three directions leave the ellipse open: the
-    estimates then say that they are not identifiable (this needs repeats, or `noise`; else there is nothing to tell
-    the noise from, and ConvergenceError is raised).
+    noise : N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72 directions, twice each,
+    intervals of 95 % held the truth in 90 to 99 %, also where the repeats of a direction share most of their error.
+    Scans in fewer than three directions leave the ellipse open: the estimates then say that they are not identifiable.
+    Raises ConvergenceError where the noise can be told from nothing: without repeats of a direction or `noise`.
 
-    >>> from cyclemap.mechanics import EllipseFriction
-    >>> direction = np.linspace(0.0, 6.0, 12)
-    >>> way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
-    >>> force = 8.0 * EllipseFriction(0.3, 0.2, m0=0.01, phi=0.4).traction(way)
-    >>> along, across = np.sum(force * way, axis=1), force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
-    >>> scans = {"direction": direction, "force_along": along, "force_across": across}
-    >>> friction = friction_ellipse_from_scans(scans, 8.0).friction()
-    >>> round(friction.mu_a, 6), round(friction.m0, 6), round(friction.phi, 6)
-    (0.3, 0.01, 0.4)
+    >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
+    >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
+    >>> round(friction_ellipse_from_scans(scans, 8.0).friction().mu_a, 5)
+    0.25
     """
-    block = friction_scan_block(scans, weight)
     known = None if noise is None else {SCAN_KIND: noise}
-    return identify([block], ELLIPSE, starts=4, noise=known)
-
-
-def _predicted(values: Values, direction: Array, weight: float) -> tuple[Array, Array]:
-    """Forces (2 n,), along then across for each scan, and their derivatives by ELLIPSE (2 n, 5).
-
-    With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is mean^2
-    expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a circle included.
-    """
-    from scipy.linalg import expm, expm_frechet
-
-    surface = SurfaceParameters.from_values(values)
-    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
-    left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
-    traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
-    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
-    exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
-    push = way @ expm(exponent)
-    size = np.sqrt(np.sum(push * way, axis=1))[:, None]
-    columns = [traction]
-    for unit in (by_x, by_y):
-        moved = way @ expm_frechet(exponent, unit, compute_expm=False)
-        columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
-    columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
-    jacobian = np.stack(columns, axis=-1)
-    turn = weight * np.stack([way, left], axis=1)
-    force = np.einsum("nij,nj->ni", turn, traction)
-    return force.ravel(), np.einsum("nij,njk->nik", turn, jacobian).reshape(-1, len(ELLIPSE))
+    return identify([friction_scan_block(scans, weight)], ELLIPSE, starts=4, noise=known)
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,8 +149,7 @@ class WrenchTwists:
 
     wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none of them zero.
 
-    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and for wrenches most of which take
-    power from the object: these are the object's on the pusher.
+    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and wrenches of the wrong sign.
     """
 
     wrench: Array
@@ -253,28 +221,24 @@ def read_wrench_twists(
         raise DataFileError(f"{table.path}: {cause}") from cause
 
 
-def wrench_twist_block(
-    data: WrenchTwists, outline: Outline, weight: float, groups: Labels | None = None
-) -> FunctionBlock:
+def wrench_twist_block(data: WrenchTwists, outline: Outline, weight: float) -> DataBlock:
     """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and shares of the weight.
 
-    outline : of the object, in the frame of the data. weight : N. groups : (n,) whole numbers, pairs that share their
-    errors; None: pairs of one place of contact (`WrenchTwists.contact_pieces`), which do not need their order.
+    outline : of the object, in the frame of the data. weight : N. Pairs of one place of contact share their errors
+    (`WrenchTwists.contact_pieces`).
 
     The wrench is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991), and D is
     linear in the shares. The torque is divided by the outline's extent, so that all rows are in N.
 
-    The object's orientation in the world is not in such data: friction is taken as isotropic. Over orientations all
-    around, offset and ellipticity leave the mean wrench as it is to first order: the plywood of Ma & Rodriguez (2018)
-    then moves the rim share by about 0.01, by up to 0.08 where all orientations lie within 40 degrees of one. Twists
-    are taken as exact: their noise flattens the wrench's response and draws the rim share down (a share of 0.5 to 0.37
-    for 0.5 mm/s in each component at speeds of 10 mm/s, to 0.14 for 1 mm/s), so that a small share is weak evidence
-    for even pressure, a large one strong evidence against it.
+    The object's orientation in the world is not in such data: friction is taken as isotropic. Orientations all around
+    leave an error of the rim share of 0.01 on plywood; those within 40 degrees of one, of up to 0.08. Twists are taken
+    as exact: their noise draws the rim share down (0.5 to 0.37 for 0.5 mm/s in each component at speeds of 10 mm/s, to
+    0.14 for 1 mm/s), so that a small share is weak evidence for even pressure, a large one strong evidence against it.
 
     >>> from cyclemap.mechanics import Slider
     >>> square, twist = Slider.mit("rect1").outline, [[0.0, 0.01, 0.0]]
     >>> block = wrench_twist_block(WrenchTwists([[0.0, 2.0, 0.0]], twist), square, 8.0)
-    >>> residual, _ = block.residuals({"friction_scale": math.log(0.25), "rim_share": 0.3})
+    >>> residual, _ = block.residuals(SurfaceParameters(math.log(0.25), rim_share=0.3).values())
     >>> bool(np.allclose(residual, 0.0, atol=1e-12))
     True
     """
@@ -294,9 +258,9 @@ def wrench_twist_block(
         by_mechanics = np.column_stack([force, *(mean * part.ravel() for part in by_shares)])
         return force - measured, surface.chain(by_mechanics, parameters, parameters)
 
-    labels = data.contact_pieces(outline) if groups is None else checked_labels("wrenches", groups, len(data.twist))
+    groups = np.repeat(data.contact_pieces(outline), 3)
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
-    return FunctionBlock("wrenches", parameters, function, np.repeat(labels, 3), kinds)
+    return DataBlock("wrenches", parameters, function, groups, kinds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,14 +277,12 @@ class SlidingForces:
     sticking: int
 
 
-def force_ratio_block(sliding: SlidingForces) -> FunctionBlock:
+def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     """Return the ratios of sliding pieces as a block of data that depends on `pusher_friction`; a group a push.
 
     Whether the rod slides is read off the motion, not off the forces, so that the noise of the forces does not bias the
     answer: while it slides the ratio is the friction coefficient (Coulomb's law; Ma & Rodriguez 2018, Fig. 10 left),
-    while it sticks it is less. On 13 made pushes (plywood, mu 0.15, 0.1 mm, 0.1 degrees and 0.05 N of noise in each
-    sample) the mean of the answers is 0.14999 and their scatter 0.0004, where the median ratio of the samples says
-    0.1355. Pieces of one push share their errors; those of one push alone are a group each.
+    while it sticks it is less. Pieces of one push share their errors; those of one push alone are a group each.
     Raises InvalidInput where nothing slides.
 
     >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), 3, 0)
@@ -336,7 +298,7 @@ def force_ratio_block(sliding: SlidingForces) -> FunctionBlock:
 
     single = len(np.unique(sliding.push)) == 1
     groups = np.arange(len(measured)) if single else sliding.push
-    return FunctionBlock("force ratios", ("pusher_friction",), function, groups, np.full(len(measured), RATIO_KIND))
+    return DataBlock("force ratios", ("pusher_friction",), function, groups, np.repeat(RATIO_KIND, measured.size))
 
 
 def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float = MIT_ROD_RADIUS) -> SlidingForces:
@@ -345,7 +307,7 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
     A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip of more than a tenth
     of the rod's travel of one sign in every window that a sample is part of.
     """
-    rows, sliding, sticking = [], 0, 0
+    rows, sticking = [], 0
     for number, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
@@ -355,12 +317,10 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
                 for start in range(first, last - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, number))
-                    sliding += samples.window
-        sticks = samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)
-        sticking += int(np.sum(sticks))
-    ratios, pushes = np.array(rows, dtype=float).reshape(-1, 2).T
-    return SlidingForces(ratios, pushes.astype(np.int64), sliding, sticking)
+                    rows.append((sign * ratio, number, samples.window))
+        sticking += int(np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)))
+    ratios, numbers, lengths = np.array(rows, dtype=float).reshape(-1, 3).T
+    return SlidingForces(ratios, numbers.astype(np.int64), int(np.sum(lengths)), sticking)
 
 
 def _steady(state: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:

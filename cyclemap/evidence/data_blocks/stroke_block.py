@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.settings import with_material
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, set_fields
+from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
@@ -56,7 +55,6 @@ TIP_OFFSET = (
 PUSH_UNKNOWNS = (*SURFACE.names[1:5], "pusher_friction", *SHARE_NAMES)
 DRAG_UNKNOWNS = (*SURFACE.names[1:5], *SHARE_NAMES, "pin_friction_radius")
 
-Misfit = Callable[[Sequence[Any], SurfaceParameters, Values], Rows]
 SHAPE = SURFACE.names[1:5]
 CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
@@ -64,43 +62,7 @@ NODES = 48
 CYCLE_ACCURACY = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class StrokeBlock:
-    """Measured strokes set against the quasi-static model of one slider.
-
-    parameters : names in order. strokes : n, what was measured. misfit : (strokes, surface, values) -> residuals (n, m)
-    and derivatives (n, m, k). row_kinds (m,) : kind of noise of each row of a stroke. own_parameters : unknowns that
-    belong to these data alone. Strokes of one contact are a group.
-    """
-
-    name: str
-    parameters: tuple[str, ...]
-    strokes: tuple[Any, ...]
-    misfit: Misfit
-    row_kinds: tuple[str, ...]
-    own_parameters: tuple[Parameter, ...] = ()
-    groups: Labels = field(init=False)
-    kinds: Kinds = field(init=False)
-
-    def __post_init__(self) -> None:
-        if not self.strokes:
-            raise InvalidInput(f"block {self.name!r} has no strokes: give some")
-        labels = np.array([stroke.contact for stroke in self.strokes], dtype=np.int64)
-        kinds = np.tile(np.array(self.row_kinds, dtype=np.str_), len(self.strokes))
-        set_fields(self, groups=np.repeat(labels, len(self.row_kinds)), kinds=kinds)
-
-    def residuals(self, values: Values) -> Rows:
-        """Return predicted minus measured values and their derivatives, a few rows a stroke, in order."""
-        residual, jacobian = self.misfit(self.strokes, SurfaceParameters.from_values(values), values)
-        return residual.ravel(), jacobian.reshape(residual.size, len(self.parameters))
-
-    def subset(self, keep_groups: ArrayLike) -> StrokeBlock:
-        """Return the block with the strokes of some groups only."""
-        keep = {*np.asarray(keep_groups).tolist()}
-        return replace(self, strokes=tuple(stroke for stroke in self.strokes if stroke.contact in keep))
-
-
-def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> StrokeBlock:
+def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
@@ -109,23 +71,25 @@ def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> StrokeBloc
     shared = possible_names(PUSH_UNKNOWNS, slider.outline)
     names = (*FRICTION_NAMES, "pusher_friction", *share_names(slider.outline))
 
-    def misfit(strokes: Sequence[MeasuredPush], surface: SurfaceParameters, values: Values) -> Rows:
+    def misfit(strokes: Sequence[MeasuredPush], values: Values) -> Rows:
+        surface = SurfaceParameters.from_values(values)
         shift = (values["tip_offset_x"], values["tip_offset_y"])
         ends, by = predicted_push_ends(surface_model(surface, slider), strokes, shift, names)
         jacobian = np.concatenate([surface.chain(by[..., :-2], names, shared), by[..., -2:]], axis=-1)
-        return ends - np.array([_vector(push.end) for push in strokes]), jacobian
+        return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     parameters = (*shared, *(one.name for one in TIP_OFFSET))
-    return StrokeBlock("push ends", parameters, tuple(pushes), misfit, kinds, TIP_OFFSET)
+    return _stroke_block("push ends", parameters, pushes, misfit, kinds, TIP_OFFSET)
 
 
-def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> StrokeBlock:
+def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> DataBlock:
     """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
     parameters = possible_names(DRAG_UNKNOWNS, slider.outline)
     names = (*FRICTION_NAMES, *share_names(slider.outline), "pin_friction_radius")
 
-    def misfit(strokes: Sequence[MeasuredDrag], surface: SurfaceParameters, values: Values) -> Rows:
+    def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> Rows:
+        surface = SurfaceParameters.from_values(values)
         model, courses = surface_model(surface, slider), []
         for drag in strokes:
             goal = (drag.end.to_world(*slider.hitch),)
@@ -135,7 +99,39 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> StrokeBloc
         measured = np.array([drag.end.theta for drag in strokes])
         return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, parameters)
 
-    return StrokeBlock("drag-backs", parameters, tuple(drags), misfit, ("drag turn (rad)",))
+    return _stroke_block("drag-backs", parameters, drags, misfit, ("drag turn (rad)",))
+
+
+def _stroke_block(
+    name: str,
+    parameters: tuple[str, ...],
+    strokes: Sequence[Any],
+    misfit: Callable[[Sequence[Any], Values], Rows],
+    row_kinds: tuple[str, ...],
+    own_parameters: tuple[Parameter, ...] = (),
+) -> DataBlock:
+    """The block of strokes with a few rows each, of these kinds; strokes of one contact are a group.
+
+    misfit : some of the strokes, values -> residuals (s, m), derivatives (s, m, k).
+    """
+    if not strokes:
+        raise InvalidInput(f"block {name!r} has no strokes: give some")
+    rows = len(row_kinds)
+
+    def part(chosen: Labels) -> Function:
+        some = [strokes[number] for number in (chosen[::rows] // rows).tolist()]
+
+        def function(values: Values) -> Rows:
+            residual, jacobian = misfit(some, values)
+            return residual.ravel(), jacobian.reshape(residual.size, len(parameters))
+
+        return function
+
+    groups = np.repeat([stroke.contact for stroke in strokes], rows)
+    motions = np.array([(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes])
+    kinds = np.tile(row_kinds, len(strokes))
+    whole = part(np.arange(groups.size))
+    return DataBlock(name, parameters, whole, groups, kinds, own_parameters, part, motions)
 
 
 def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
@@ -157,8 +153,8 @@ def predicted_push_ends(
     These are by `names` of the mechanics and by both components of the shift. An object that the rod does not touch
     stays.
     """
-    ends, by = np.array([_vector(push.start) for push in pushes]), np.zeros((len(pushes), 3, len(names) + 2))
-    theta = ends[:, 2]
+    ends = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
+    by, theta = np.zeros((len(pushes), 3, len(names) + 2)), ends[:, 2]
     c, s = np.cos(theta), np.sin(theta)
     direction, length = np.array([(push.direction, push.length) for push in pushes]).T
     x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
@@ -174,24 +170,17 @@ def predicted_push_ends(
     # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
     still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, with_object=True)
     strokes = [
-        replace(still, start_piece=index, start_coordinate=at, direction=toward, length=far)
-        for index, at, toward, far in zip(
-            piece[touched].tolist(),
-            coordinate[touched].tolist(),
-            (direction - theta)[touched].tolist(),
-            way[touched].tolist(),
-            strict=True,
-        )
+        replace(still, start_piece=int(index), start_coordinate=at, direction=toward, length=far)
+        for index, at, toward, far in np.column_stack([piece, coordinate, direction - theta, way])[touched].tolist()
     ]
-    angles = theta[touched].tolist()
-    courses = [model.course(one, Pose(theta=angle)) for one, angle in zip(strokes, angles, strict=True)]
-    ran = run_strokes(courses, len(PARAMETERS))
+    both = list(zip(strokes, theta[touched].tolist(), strict=True))
+    ran = run_strokes([model.course(one, Pose(theta=angle)) for one, angle in both], len(PARAMETERS))
     ends[touched, :2] += model.unit * ran.pushed[:, :2]
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
     by[touched, :, :-2] = found[..., _columns(names)] * derivative_units(model, names)
-    starting = [_by_shift(model, one, angle) for one, angle in zip(strokes, angles, strict=True)]
-    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ np.array(starting)
+    starting = np.array([_by_shift(model, *one) for one in both])
+    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ starting
     return ends, by
 
 
@@ -212,10 +201,6 @@ def _columns(names: tuple[str, ...]) -> list[int]:
     return [PARAMETERS.index(name) for name in names]
 
 
-def _vector(pose: Pose) -> Array:
-    return np.array((pose.x, pose.y, pose.theta))
-
-
 def interpolation(theta: ArrayLike, count: int) -> Array:
     """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them at theta (n,), rad.
 
@@ -228,79 +213,64 @@ def interpolation(theta: ArrayLike, count: int) -> Array:
     return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
 
 
-@dataclass(frozen=True, eq=False)
-class CyclePairBlock:
-    """Measured turns of whole cycles, rad, set against the cycle map of a loop.
+def cycle_pair_block(
+    loop: CollectionLoop,
+    theta: ArrayLike,
+    turn: ArrayLike,
+    groups: Labels,
+    share: ArrayLike | None = None,
+    nodes: int = NODES,
+) -> DataBlock:
+    """Return the block of measured turns of whole cycles, rad, set against the cycle map of a loop.
 
-    loop : who is pushed where, and how it is brought back; surface, pusher friction, rim share and ring are the
-        unknowns'. theta, turn (n,) : rad, orientation before a push and how far the cycle turned the object.
-    groups (n,) : labels of rows. share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data;
-        the turn is then blended linearly between the two, its ends having an ellipse each, the worn one's `worn_...`.
+    loop : who is pushed where, and how it is brought back; surface, pusher friction, shares and ring are the unknowns'.
+    theta, turn (n,) : rad, orientation before a push and how far the cycle turned the object. groups (n,) : labels.
+    share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data; the turn is then blended
+    linearly between the two, its ends having an ellipse each, the worn one's `worn_...`.
     nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map must be smooth.
 
     Raises InvalidInput where shapes differ or nothing is given.
     """
+    angles, measured = finite_array("theta", theta, ndim=1), finite_array("turn", turn, ndim=1)
+    if angles.size == 0 or measured.shape != angles.shape:
+        told = f"{angles.size} orientations and {measured.size} turns"
+        raise InvalidInput(f"{told}: give one turn for each, one at least")
+    count, gone, worn = whole_number("nodes", nodes, least=9), np.zeros(angles.size), list[Parameter]()
+    if share is not None:
+        gone = finite_array("share of wear", share, ndim=1)
+        if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
+            raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
+        fresh, late = (SURFACE[name] for name in SHAPE), "at the end of the data"
+        worn = [replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh]
+    count += count % 2 - 1
+    places = 2.0 * np.pi * np.arange(count) / count
+    between, names = interpolation(angles, count), (*CYCLE_UNKNOWNS, *(one.name for one in worn))
+    parameters = possible_names(names, loop.slider.outline)
 
-    name: str
-    loop: CollectionLoop
-    theta: Array
-    turn: Array
-    groups: Labels
-    share: Array | None = None
-    nodes: int = NODES
-    parameters: tuple[str, ...] = field(init=False)
-    own_parameters: tuple[Parameter, ...] = field(init=False)
-    kinds: Kinds = field(init=False)
+    def at_nodes(values: Values, late: bool) -> Rows:
+        """Turns at the nodes on the fresh or the worn surface, and their derivatives by CYCLE_UNKNOWNS."""
+        own = {**values, **{name: values[f"worn_{name}"] for name in SHAPE}} if late else values
+        runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(own), loop, places)
+        return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 
-    def __post_init__(self) -> None:
-        theta, turn = finite_array("theta", self.theta, ndim=1), finite_array("turn", self.turn, ndim=1)
-        if theta.size == 0 or turn.shape != theta.shape:
-            raise InvalidInput(f"{theta.size} orientations and {turn.size} turns: give one turn for each, one at least")
-        whole_number("nodes", self.nodes, least=9)
-        worn: list[Parameter] = []
-        if self.share is not None:
-            share = finite_array("share of wear", self.share, ndim=1)
-            if share.shape != theta.shape or share.min() < 0.0 or share.max() > 1.0:
-                raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-            set_fields(self, share=share)
-            late = "at the end of the data"
-            fresh = (SURFACE[name] for name in SHAPE)
-            worn = [replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh]
-        asked = possible_names((*CYCLE_UNKNOWNS, *(one.name for one in worn)), self.loop.slider.outline)
-        groups = checked_labels(self.name, self.groups, theta.size)
-        set_fields(self, theta=theta, turn=turn, groups=groups, parameters=asked, own_parameters=tuple(worn))
-        set_fields(self, kinds=np.repeat(np.array(["cycle turn (rad)"]), theta.size))
+    def function(values: Values) -> Rows:
+        predicted, by_fresh = (between @ part for part in at_nodes(values, False))
+        jacobian = np.hstack([by_fresh, np.zeros((angles.size, len(worn)))])
+        if worn:
+            turn_worn, by_worn = (between @ part for part in at_nodes(values, True))
+            predicted = predicted + gone * (turn_worn - predicted)
+            kept, shape, by_share = len(CYCLE_UNKNOWNS), len(SHAPE), gone[:, np.newaxis]
+            jacobian *= 1.0 - by_share
+            jacobian[:, shape:kept] += by_share * by_worn[:, shape:]
+            jacobian[:, kept:] = by_share * by_worn[:, :shape]
+        return predicted - measured, jacobian[:, [names.index(name) for name in parameters]]
 
-    def residuals(self, values: Values) -> Rows:
-        """Return predicted minus measured turns, and their derivatives."""
-        (turn, jacobian), names = self._predicted(values), (*CYCLE_UNKNOWNS, *(x.name for x in self.own_parameters))
-        jacobian = np.hstack([jacobian, np.zeros((turn.size, len(self.own_parameters)))])
-        if self.share is not None:
-            turn_worn, by_worn = self._predicted({**values, **{name: values[f"worn_{name}"] for name in SHAPE}})
-            share = self.share[:, np.newaxis]
-            turn = turn + self.share * (turn_worn - turn)
-            kept, shape = len(CYCLE_UNKNOWNS), len(SHAPE)
-            jacobian *= 1.0 - share
-            jacobian[:, shape:kept] += share * by_worn[:, shape:]
-            jacobian[:, kept:] = share * by_worn[:, :shape]
-        return turn - self.turn, jacobian[:, [names.index(name) for name in self.parameters]]
+    def curve(values: Values, around: Array, late: bool) -> Array:
+        return interpolation(around, count) @ at_nodes(values, late)[0]
 
-    def subset(self, keep_groups: ArrayLike) -> CyclePairBlock:
-        """Return the block with the rows of some groups only."""
-        keep = np.isin(self.groups, keep_groups)
-        share = None if self.share is None else self.share[keep]
-        return replace(self, theta=self.theta[keep], turn=self.turn[keep], groups=self.groups[keep], share=share)
-
-    def _predicted(self, values: Mapping[str, float]) -> Rows:
-        """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS, between an odd number of nodes."""
-        theta = 2.0 * np.pi * np.arange(self._between.shape[1]) / self._between.shape[1]
-        runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(values), self.loop, theta)
-        by_next = by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
-        return self._between @ (runs.theta_next[0] - theta), self._between @ by_next
-
-    @cached_property
-    def _between(self) -> Array:
-        return interpolation(self.theta, self.nodes - 1 + self.nodes % 2)
+    motions = np.column_stack([angles, measured])
+    kinds = np.repeat("cycle turn (rad)", angles.size)
+    return DataBlock("cycles", parameters, function, groups, kinds, tuple(worn), motions=motions, curve=curve)
 
 
 def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: Array) -> tuple[CycleBatch, Array]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace
 
@@ -40,152 +39,111 @@ USUAL = MappingProxyType(
     }
 )
 Progress = Callable[[float], None]
-
-
-class DataBlock(Protocol):
-    """Data of one sort, set against a prediction that depends on named parameters.
-
-    A block is a value: nothing that it holds changes. It may be asked for parameters at which the model has no answer;
-    it then raises InvalidInput, ConvergenceError or UnsupportedContact, and the search turns back.
-    """
-
-    @property
-    def name(self) -> str:
-        """What the data are, for reports."""
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the k parameters that the prediction depends on."""
-
-    @property
-    def groups(self) -> Labels:
-        """(n,) integer labels: rows of one label share their errors and are left out together."""
-
-    @property
-    def kinds(self) -> Kinds:
-        """(n,) which noise each row has, such as `push turn (rad)`; rows of one kind have one size of noise."""
-
-    def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Return predicted minus measured values (n,) in the data's own units, and their derivatives (n, k).
-
-        `values` holds at least this block's parameters by name; columns are in the order of `parameters`.
-        """
-
-    def subset(self, keep_groups: ArrayLike) -> DataBlock:
-        """Return the block with the rows of some groups only; none of them may be known here."""
-
-
-def set_fields(frozen: object, **values: object) -> None:
-    """Set fields of a frozen dataclass while it is made."""
-    for name, value in values.items():
-        object.__setattr__(frozen, name, value)
-
-
-def checked_labels(name: str, groups: ArrayLike, count: int) -> Labels:
-    """Return `groups` as whole numbers (count,), or raise InvalidInput naming the block."""
-    labels = np.array(groups)
-    if labels.shape != (count,) or (labels.size and not np.issubdtype(labels.dtype, np.integer)):
-        raise InvalidInput(
-            f"groups of block {name!r} must be {count} whole numbers, one a row, not shape {labels.shape}"
-        )
-    labels = labels.astype(np.int64)
-    labels.setflags(write=False)
-    return labels
+Function = Callable[[Values], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)
-class FunctionBlock:
-    """A block from a function of its parameters, the rows being known in number.
+class DataBlock:
+    """Data of one sort, set against a prediction that depends on named parameters.
 
-    function : values by name -> (residuals (n,), derivatives (n, k)), for all n rows of the whole block.
-    groups, kinds : (n,) as `DataBlock` tells; `kinds` may be one name for all rows.
-    rows : which of the function's rows are in the block; all, if left out.
+    parameters : names of the k unknowns. function : values by name -> residuals (n,), predicted less measured in the
+    data's own units, and derivatives (n, k). Where the model has no answer it raises InvalidInput, ConvergenceError or
+    UnsupportedContact, and the search turns back.
+    groups (n,) : whole numbers; rows of one label share their errors and are left out together.
+    kinds (n,) : which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name does for all.
+    own_parameters : unknowns that belong to these data alone.
+    part : rows (m,) -> the function of these rows alone, where that is quicker than to leave out the others.
+    motions : (s, 2) rad, orientation before each stroke or cycle and its measured turn, for pictures. curve : of
+    cycles: values, angles (a,), whether at the end of the wear -> predicted turns (a,).
+    asked : what `function` calls the parameters, where they have other names.
 
     Raises InvalidInput where shapes do not agree.
 
-    >>> line = FunctionBlock("line", ("slope",), lambda v: (v["slope"] - np.ones(2), np.ones((2, 1))), [0, 1], "m")
+    >>> line = DataBlock("line", ("slope",), lambda v: (v["slope"] - np.ones(2), np.ones((2, 1))), [0, 1], "m")
     >>> line.residuals({"slope": 3.0})[0]
     array([2., 2.])
     """
 
     name: str
     parameters: tuple[str, ...]
-    function: Callable[[Values], tuple[Array, Array]]
+    function: Function
     groups: Labels
     kinds: Kinds
-    rows: NDArray[np.int64] | None = None
+    own_parameters: tuple[Parameter, ...] = ()
+    part: Callable[[Labels], Function] | None = None
+    motions: Array | None = None
+    curve: Callable[[Values, Array, bool], Array] | None = None
+    asked: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        count = np.size(self.groups)
-        kinds = np.full(count, self.kinds) if np.ndim(self.kinds) == 0 else np.array(self.kinds, dtype=np.str_)
-        if kinds.shape != (count,):
+        groups = np.array(self.groups)
+        if groups.ndim != 1 or (groups.size and not np.issubdtype(groups.dtype, np.integer)):
+            raise InvalidInput(f"groups of block {self.name!r} must be whole numbers, one a row")
+        groups.setflags(write=False)
+        kinds = np.full(groups.size, self.kinds) if np.ndim(self.kinds) == 0 else np.array(self.kinds, dtype=np.str_)
+        if kinds.shape != groups.shape:
             raise InvalidInput(f"kinds of block {self.name!r} must be one name, or one a row: shape {kinds.shape}")
-        rows = np.arange(count) if self.rows is None else np.asarray(self.rows)
-        groups = checked_labels(self.name, self.groups, count)
-        set_fields(self, parameters=tuple(self.parameters), groups=groups, kinds=kinds, rows=rows)
+        names = tuple(self.parameters)
+        set_fields(self, parameters=names, asked=self.asked or names, groups=groups, kinds=kinds)
+
+    def own_values(self, values: Values) -> dict[str, float]:
+        """Return the block's parameters by the names that `function` and `curve` have for them."""
+        return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Return residuals (n,) and derivatives (n, k) of the block's rows."""
-        residual, jacobian = self.function(values)
-        residual = finite_array(f"residuals of block {self.name!r}", residual, ndim=1)
-        jacobian = finite_array(f"derivatives of block {self.name!r}", jacobian, last=len(self.parameters), ndim=2)
-        if len(jacobian) != len(residual):
-            raise InvalidInput(f"block {self.name!r} gave {len(residual)} residuals but {len(jacobian)} derivatives")
-        return residual[self.rows], jacobian[self.rows]
+        """Return predicted minus measured values (n,) and their derivatives (n, k), columns in order of `parameters`.
 
-    def subset(self, keep_groups: ArrayLike) -> FunctionBlock:
-        """Return the block with the rows of some groups only."""
-        keep = np.isin(self.groups, keep_groups)
-        assert self.rows is not None
-        return replace(self, groups=self.groups[keep], kinds=self.kinds[keep], rows=self.rows[keep])
+        `values` holds at least this block's parameters by name. Raises ConvergenceError for what is not finite.
+        """
+        residual, jacobian = self.function(self.own_values(values))
+        if residual.shape != self.groups.shape or jacobian.shape != (residual.size, len(self.parameters)):
+            shapes = f"residuals {residual.shape} and derivatives {jacobian.shape}"
+            raise InvalidInput(f"block {self.name!r} of {self.groups.size} rows gave {shapes}")
+        if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
+            raise ConvergenceError(f"block {self.name!r} has residuals or derivatives that are not finite")
+        return residual, jacobian
 
+    def subset(self, keep: ArrayLike) -> DataBlock:
+        """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions are left out."""
+        rows, whole, part = np.flatnonzero(keep), self.function, self.part
 
-@dataclass(frozen=True, eq=False)
-class PlateBlock:
-    """A block of one plate among several: what belongs to the plate alone has its name behind it, `rim_share[hex]`.
+        def some(values: Values) -> tuple[Array, Array]:
+            residual, jacobian = whole(values)
+            return residual[rows], jacobian[rows]
 
-    owned : the parameters of `block` that belong to the plate, in its own names. name : the plate and the block's, if
-    left out. own_parameters : the plate's own unknowns, and those of the block.
-
-    >>> rim = FunctionBlock("pushes", ("offset_x", "rim_share"), lambda v: None, [0], "m")
-    >>> PlateBlock(rim, "hex", (Parameter("rim_share", "", "1", 0.0, 1.0, 0.3, 0.2),)).parameters
-    ('offset_x', 'rim_share[hex]')
-    """
-
-    block: DataBlock
-    plate: str
-    owned: tuple[Parameter, ...]
-    name: str = ""
-    parameters: tuple[str, ...] = field(init=False)
-    own_parameters: tuple[Parameter, ...] = field(init=False)
-    groups: Labels = field(init=False)
-    kinds: Kinds = field(init=False)
-
-    def __post_init__(self) -> None:
-        named = {
-            one.name: replace(one, name=f"{one.name}[{self.plate}]", description=f"{one.description}; {self.plate}")
-            for one in self.owned
-            if one.name in self.block.parameters
-        }
-        told = [one for one in getattr(self.block, "own_parameters", ()) if one.name not in named]
-        own = {name: one.name for name, one in named.items()}
-        set_fields(
+        return replace(
             self,
-            name=self.name or f"{self.plate} {self.block.name}",
-            parameters=tuple(own.get(name, name) for name in self.block.parameters),
-            own_parameters=(*named.values(), *told),
-            groups=self.block.groups,
-            kinds=self.block.kinds,
+            function=some if part is None else part(rows),
+            groups=self.groups[rows],
+            kinds=self.kinds[rows],
+            part=None if part is None else lambda fewer: part(rows[fewer]),
+            motions=None,
         )
 
-    def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Return those of the block at the plate's own values."""
-        own = zip(self.block.parameters, self.parameters, strict=True)
-        return self.block.residuals({name: values[named] for name, named in own})
+    def of_plate(self, plate: str, owned: Sequence[Parameter]) -> DataBlock:
+        """Return the block as one of several plates: unknowns among `owned` have the plate's name behind their own.
 
-    def subset(self, keep_groups: ArrayLike) -> PlateBlock:
-        """Return the block with the rows of some groups only."""
-        return replace(self, block=self.block.subset(keep_groups))
+        >>> rim = DataBlock("pushes", ("offset_x", "rim_share"), lambda v: None, [0], "m")
+        >>> rim.of_plate("hex", (Parameter("rim_share", "", "1", 0.0, 1.0, 0.3, 0.2),)).parameters
+        ('offset_x', 'rim_share[hex]')
+        """
+        named = {
+            one.name: replace(one, name=f"{one.name}[{plate}]", description=f"{one.description}; {plate}")
+            for one in owned
+            if one.name in self.parameters
+        }
+        return replace(
+            self,
+            name=f"{plate} {self.name}",
+            parameters=tuple(named[name].name if name in named else name for name in self.parameters),
+            own_parameters=(*named.values(), *(one for one in self.own_parameters if one.name not in named)),
+        )
+
+
+def set_fields(frozen: object, **values: object) -> None:
+    """Set fields of a frozen dataclass while it is made."""
+    for name, value in values.items():
+        object.__setattr__(frozen, name, value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +182,7 @@ class JointProblem:
         index = np.repeat(np.arange(len(self.blocks)), [len(block.groups) for block in self.blocks])
         labels = np.stack([index, np.concatenate([block.groups for block in self.blocks])])
         groups = np.unique(labels, axis=1, return_inverse=True)[1].reshape(-1)
-        kinds = np.concatenate([np.asarray(block.kinds, dtype=np.str_) for block in self.blocks])
+        kinds = np.concatenate([block.kinds for block in self.blocks])
         found, kind_index = np.unique(kinds, return_inverse=True)
         set_fields(self, fixed=fixed, block_index=index, groups=groups, kinds=kinds)
         set_fields(self, kind_names=tuple(found.tolist()), kind_index=kind_index.reshape(-1))
@@ -234,16 +192,11 @@ class JointProblem:
         return {**self.fixed, **self.space.values(vector)}
 
     def evaluate(self, vector: Array) -> tuple[Array, Array]:
-        """Return residuals (n,) and their derivatives by the free parameters (n, k).
-
-        Raises whatever a block raises; ConvergenceError where its numbers are not finite.
-        """
+        """Return residuals (n,) and their derivatives by the free parameters (n, k). Raises whatever a block raises."""
         values = self.values(vector)
         residuals, jacobians = [], []
         for block in self.blocks:
             residual, jacobian = block.residuals(values)
-            if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
-                raise ConvergenceError(f"block {block.name!r} has residuals or derivatives that are not finite")
             residuals.append(residual)
             by_free = np.zeros((len(block.groups), len(self.space)))
             for index, name in enumerate(block.parameters):
@@ -253,24 +206,22 @@ class JointProblem:
         return np.concatenate(residuals), np.concatenate(jacobians)
 
     def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
-        """Return the problem of the groups of which `keep` (n,), bool by row, holds a row; empty blocks drop out.
+        """Return the problem of the rows where `keep` (n,) is true; empty blocks drop out.
 
         A free parameter that no block asks for any more is held at its value in `values`.
         """
         chosen, parts = np.asarray(keep, dtype=bool), []
         for index, block in enumerate(self.blocks):
             rows = chosen[self.block_index == index]
-            if rows.all():
-                parts.append(block)
-            elif rows.any():
-                parts.append(block.subset(np.unique(block.groups[rows])))
+            if rows.any():
+                parts.append(block if rows.all() else block.subset(rows))
         asked = {name for block in parts for name in block.parameters}
         idle = {name: values[name] for name in self.space.names if name not in asked}
         space = self.space.select(tuple(name for name in self.space.names if name in asked))
         return JointProblem(tuple(parts), space, {**self.fixed, **idle})
 
 
-def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> FunctionBlock:
+def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block of data.
 
     A row is the parameter's distance from the believed value in standard deviations; its noise is known to be 1: give
@@ -288,7 +239,7 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> FunctionBlock:
     def function(values: Values) -> tuple[Array, Array]:
         return (np.array([values[key] for key in names]) - centre) / width, np.diag(1.0 / width)
 
-    return FunctionBlock("priors", names, function, np.arange(len(names)), np.full(len(names), PRIOR_KIND))
+    return DataBlock("priors", names, function, np.arange(len(names)), np.repeat(PRIOR_KIND, len(names)))
 
 
 def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:

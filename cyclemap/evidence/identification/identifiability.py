@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.checks import read_only
 from cyclemap.evidence.identification.data_block import PRIOR_KIND, JointProblem, Labels
 from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw
@@ -40,8 +39,8 @@ class Uncertainty:
 def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) -> Uncertainty:
     """Return the uncertainty of a fit from its derivatives, good to first order.
 
-    Rows of single groups: the inverse information, with the freedom of `kind_variance`. Where rows share groups:
-    `grouped_variance`. To both comes what estimating the weights of the kinds from the same data costs.
+    Rows of single groups: the inverse information. Where rows share groups: the sandwich of Liang & Zeger. To both
+    comes what estimating the weights of the kinds from the same data costs.
     """
     law, scale, kinds = law or NoiseLaw(), problem.space.scale, problem.kind_index
     jacobian = fit.jacobian / fit.noise[kinds, None] * scale
@@ -49,7 +48,7 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     seen = values > _RANK * np.max(values, initial=0.0)
     inverse = vectors[:, seen] / values[seen] @ vectors[:, seen].T
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
-    by_weights, freedom = kind_variance(jacobian, inverse, kinds, False if fit.known is None else fit.known)
+    by_weights, freedom = _kind_variance(jacobian, inverse, kinds, fit.known)
     by_weights /= law.information
     if len(np.unique(problem.groups)) == len(problem.groups):
         covariance = inverse / law.information + 2.0 * by_weights
@@ -58,7 +57,7 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
         # A belief counts by its deviation, which is known, not by how far off it happened to be.
         belief = problem.kinds == PRIOR_KIND
         errors = (law.weight(scaled**2) * scaled / law.information)[~belief]
-        told, freedom = grouped_variance(jacobian[~belief], errors, inverse, problem.groups[~belief])
+        told, freedom = _grouped_variance(jacobian[~belief], errors, inverse, problem.groups[~belief])
         believed = jacobian[belief] @ inverse
         covariance = told + by_weights + believed.T @ believed
         # What is known has no end of freedom (Satterthwaite 1946).
@@ -75,19 +74,12 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     )
 
 
-def kind_variance(jacobian: Array, inverse: Array, kinds: Labels, known: ArrayLike = False) -> tuple[Array, Array]:
+def _kind_variance(jacobian: Array, inverse: Array, kinds: Labels, known: Mask) -> tuple[Array, Array]:
     """Covariance (k, k) that comes on top because the weights of the kinds are estimated, and each one's freedom (k,).
 
-    jacobian (n, k) and inverse (k, k) of its square, both in units of the noise; kinds (n,) 0 ... count - 1;
-    known (kinds,) whether a kind's noise was given. Rows are independent, and each kind has a redundancy, its rows less
-    their leverage. Covariance, to first order: the sum over kinds of 2 / redundancy times inverse (A - A inverse A)
-    inverse, A the kind's part of jacobian^T jacobian (Kackar & Harville 1984); the inverse information itself is too
-    small by as much again (Kenward & Roger 1997). Freedom of the variance: (sum c)^2 / sum(c^2 / redundancy), c what a
-    kind adds to it (Satterthwaite 1946); one kind gives n - k.
-
-    >>> by_weights, freedom = kind_variance(np.ones((4, 1)), np.array([[0.25]]), np.array([0, 0, 1, 1]))
-    >>> by_weights.round(6).tolist(), freedom.tolist()
-    ([[0.166667]], [3.0])
+    To first order the sum over kinds of 2 / redundancy times inverse (A - A inverse A) inverse, A the kind's part of
+    jacobian^T jacobian (Kackar & Harville 1984); the inverse information itself is too small by as much again (Kenward
+    & Roger 1997). Freedom: (sum c)^2 / sum(c^2 / redundancy), c what a kind adds to the variance (Satterthwaite 1946).
     """
     leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
     redundancy = np.where(known, np.inf, np.maximum(np.bincount(kinds, 1.0 - leverage), 0.1))
@@ -100,10 +92,9 @@ def kind_variance(jacobian: Array, inverse: Array, kinds: Labels, known: ArrayLi
     return total, _degrees(np.sum(share, axis=0) ** 2, np.sum(share**2 / redundancy[:, None], axis=0))
 
 
-def grouped_variance(jacobian: Array, errors: Array, inverse: Array, groups: Labels) -> tuple[Array, Array]:
+def _grouped_variance(jacobian: Array, errors: Array, inverse: Array, groups: Labels) -> tuple[Array, Array]:
     """Covariance (k, k) that allows for any dependence within groups, and its degrees of freedom (k,).
 
-    jacobian (n, k), errors (n,), inverse (k, k) of jacobian^T jacobian, in units of the noise; groups (n,).
     The sandwich of Liang & Zeger (1986), each group's errors first freed of their own pull on the fit; the freedom is
     Satterthwaite's for independent rows (Bell & McCaffrey 2002, CR2). Few or unequal groups have little freedom.
     """

@@ -45,11 +45,10 @@ Beliefs = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class KindErrors:
-    """Sizes of the errors of one kind in one block, in its own unit: in the sample, and of rows left out (nan: none).
+    """Sizes of the errors of one kind in one block, in its own unit: in the sample, of rows left out, and of isotropic
+    friction under even pressure, all else usual; nan where there are none.
 
     rows : how many errors; of a place or a force one each, the length of the vector by which it is off.
-    mean, median : of the size. rms : root mean square. isotropic : the same errors of isotropic friction under even
-    pressure, all else usual; nan where that has no answer.
     """
 
     block: str
@@ -96,7 +95,7 @@ def cross_validate(
         try:
             part = problem.subset(fold != one, whole)
             noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
-            found = Search(part, law or NoiseLaw()).minimise(part.space.vector(whole), noise, _CLOSE)
+            found = Search(part, law).minimise(part.space.vector(whole), noise, _CLOSE)
             values = part.values(found.vector)
             left_out = problem.subset(fold == one, values)
             residuals[fold == one] = left_out.evaluate(left_out.space.vector(values))[0]
@@ -112,9 +111,9 @@ def kind_errors(
 ) -> tuple[KindErrors, ...]:
     """Return the sizes of the errors of every kind in every block; also of rows left out, and of even isotropy."""
     nothing, found = np.full(len(fit.residuals), np.nan), []
-    told = [fit.residuals, *(nothing if one is None else one for one in (left_out, isotropic))]
+    told = [nothing if one is None else one for one in (fit.residuals, left_out, isotropic)]
     for number, block in enumerate(problem.blocks):
-        for kind in np.unique(np.asarray(block.kinds)).tolist():
+        for kind in np.unique(block.kinds).tolist():
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
@@ -150,19 +149,13 @@ class Estimate:
     lower_open: bool
     upper_open: bool
 
-    def __str__(self) -> str:
-        if not self.identifiable:
-            return f"{self.name} not identifiable"
-        return f"{self.name} {self.value:.4g} ({self.lower:.4g} to {self.upper:.4g})"
-
 
 @dataclass(frozen=True, eq=False)
 class Identification:
     """Parameters identified from data.
 
-    estimates : of the free parameters. level : of the intervals. priors : what was believed (value, standard
-    deviation). errors : by block and kind, in sample and left out. starts : what became of them. fit : the minimum.
-    uncertainty : to first order. notes : all that qualifies the result, in words. problem : what was solved.
+    priors : what was believed (value, standard deviation). errors : by block and kind. fit : the minimum of the best
+    start. uncertainty : to first order. notes : all that qualifies the result, in words. problem : what was solved.
     """
 
     estimates: tuple[Estimate, ...]
@@ -233,12 +226,12 @@ def identify(
 ) -> Identification:
     """Identify the `free` parameters from blocks of data by maximum likelihood.
 
-    Friction and rod are shared by all blocks; what belongs to a plate or to a data set is an unknown of its own there
-    (`PlateBlock`), so that any number of data sets of any plates and sorts is explained at once.
+    Blocks share friction and rod; what belongs to a plate or a data set is an unknown of its own there
+    (`DataBlock.of_plate`), so that any number of data sets of any plates and sorts is explained at once.
 
     Parameters
     ----------
-    blocks : the data; a block with an attribute `own_parameters` (tuple of Parameter) adds those to `space`.
+    blocks : the data; the `own_parameters` of a block are added to `space`.
     free : names to be identified. fixed : values of others; what is not given has its nominal value, and a note.
     priors : beliefs (value, standard deviation) about free parameters, in SI units; see `usual_beliefs`.
     starts : searches, the first from the natural start, the rest spread about it (seeded).
@@ -250,13 +243,12 @@ def identify(
 
     Raises InvalidInput for names or numbers that do not fit, ConvergenceError if no start has an answer.
 
-    >>> from cyclemap.evidence.identification.data_block import FunctionBlock
     >>> x = np.linspace(0.0, 1.0, 8)
     >>> data = 0.2 + 0.01 * np.cos(40.0 * x)
     >>> law = lambda v: (v["pusher_friction"] - data, np.ones((8, 1)))
-    >>> found = identify([FunctionBlock("ratios", ("pusher_friction",), law, range(8), "ratio")], ["pusher_friction"])
-    >>> print(found["pusher_friction"])
-    pusher_friction 0.1986 (0.1919 to 0.2053)
+    >>> found = identify([DataBlock("ratios", ("pusher_friction",), law, range(8), "ratio")], ["pusher_friction"])
+    >>> [round(getattr(found["pusher_friction"], key), 4) for key in ("value", "lower", "upper")]
+    [0.1986, 0.1919, 0.2053]
     """
     student_quantile(level, 10.0)
     whole_number("seed", seed, least=0)
@@ -264,8 +256,7 @@ def identify(
     if believed:
         blocks, known = (*blocks, prior_block(believed)), {**known, PRIOR_KIND: 1.0}
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
-    for name in believed:
-        problem.space[name]
+    problem.space.select(tuple(believed))
     fold = None if folds == 0 else random_folds(problem, folds, seed)
     report = progress or (lambda fraction: None)
     # The searches are the first three fifths of the work, cross-validation the rest.
@@ -294,16 +285,13 @@ def _problem(
 ) -> tuple[JointProblem, list[str]]:
     """The problem, and a note for every value that was not given."""
     for block in blocks:
-        space = space.extended(*getattr(block, "own_parameters", ()))
+        space = space.extended(*block.own_parameters)
     both = sorted(set(free) & set(fixed))
     if both or not free:
         raise InvalidInput(f"name what is free, and give no value for it: free {list(free)}, also fixed {both}")
-    for name in fixed:
-        space[name]
-    asked = {name for block in blocks for name in block.parameters}
-    nominal = {
-        name: value for name, value in space.nominal.items() if name in asked and name not in free and name not in fixed
-    }
+    space.select(tuple(fixed))
+    rest = {name for block in blocks for name in block.parameters}.difference(free, fixed)
+    nominal = {name: value for name, value in space.nominal.items() if name in rest}
     notes = [f"{name} was neither free nor given: taken as {value:.4g}" for name, value in nominal.items()]
     return JointProblem(tuple(blocks), space.select(free), {**nominal, **fixed}), notes
 

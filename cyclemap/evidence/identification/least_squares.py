@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,6 @@ _FIRST, _LATER = 1e-2, 1e-5
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
 _ROUNDS, _MOST = 40, 200
-# A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
 _SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
 _ON_BOUND = 1e-3
 
@@ -79,13 +78,13 @@ class Fit:
 
     vector: Array
     noise: Array
+    known: NDArray[np.bool_]
     deviance: float
     residuals: Array
     jacobian: Array
     on_bounds: tuple[str, ...]
     converged: bool
     message: str
-    known: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,14 +98,45 @@ class MultiStart:
 
 
 class Search:
-    """A problem under one noise law; residuals and derivatives of the points asked for last are kept.
+    """Searches in a problem under one noise law, with the noise of some kinds known (by name), the others' estimated.
 
-    `progress` is called with the fraction of a search that is done, as far as that can be told.
+    Residuals and derivatives of the points asked for last are kept. Raises InvalidInput for noise of an unknown kind.
     """
 
-    def __init__(self, problem: JointProblem, law: NoiseLaw, progress: Progress | None = None) -> None:
-        self.problem, self.law, self.count, self.progress = problem, law, 0, progress
+    def __init__(self, problem: JointProblem, law: NoiseLaw | None, known: Mapping[str, float] | None = None) -> None:
+        for kind, size in (known or {}).items():
+            if kind not in problem.kind_names:
+                raise unknown_name("kind of noise", kind, problem.kind_names)
+            positive_number(f"noise of {kind!r}", size)
+        self.problem, self.law = problem, law or NoiseLaw()
+        # What is given of the noise (kinds,), nan elsewhere, and its least size, told by the first start.
+        self.held = np.array([(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+        self.floor: Array | None = None
+        self.count, self.progress = 0, part_of(None, 0, 1)
         self._known: dict[bytes, tuple[Array, Array]] = {}
+
+    def solve(self, start: Array, progress: Progress) -> Fit:
+        """Fit parameters (k,) and the noise of each kind in turn, until both stand still.
+
+        `progress` is called with the fraction of the search that is done, as far as that can be told. Raises what the
+        model raises at the start, and ConvergenceError where a kind's noise cannot be told.
+        """
+        self.count, self.progress = 0, progress
+        vector, index, held = self.inside(start), self.problem.kind_index, self.held
+        squares, rows = np.bincount(index, self.at(vector)[0] ** 2, held.size), np.bincount(index, minlength=held.size)
+        first = np.sqrt(squares / rows)
+        if self.floor is None:
+            self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
+        noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
+        for turn in range(_ROUNDS):
+            fit = self.minimise(vector, noise, _FIRST if turn == 0 else _LATER)
+            vector, new = fit.vector, self.estimated_noise(fit, self.floor)
+            change, noise = float(np.max(np.abs(np.log(new / noise)))), new
+            if turn > 0 and change < _NOISE_TOLERANCE:
+                break
+        converged = fit.converged and change < _NOISE_TOLERANCE
+        message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
+        return self.fit(vector, noise, converged, message)
 
     def at(self, vector: Array) -> tuple[Array, Array]:
         """Return residuals (n,) and derivatives (n, k), or raise what the model raises."""
@@ -114,8 +144,7 @@ class Search:
         if key not in self._known:
             self.count += 1
             found = self.problem.evaluate(vector)
-            if self.progress is not None:
-                self.progress(self.count / (self.count + _HALF_WAY))
+            self.progress(self.count / (self.count + _HALF_WAY))
             self._known = dict([*self._known.items()][-8:]) | {key: found}
         return self._known[key]
 
@@ -165,6 +194,7 @@ class Search:
         return Fit(
             read_only(vector),
             read_only(noise),
+            ~np.isnan(self.held),
             float(np.sum(self.law.loss((residuals / size) ** 2)[0]) + 2.0 * np.sum(np.log(size))),
             read_only(residuals),
             read_only(jacobian),
@@ -173,15 +203,15 @@ class Search:
             message,
         )
 
-    def estimated_noise(self, fit: Fit, floor: Array, held: Array) -> Array:
-        """Return the next estimate (kinds,) of the noise, the residuals' sum of squares over their redundancy.
+    def estimated_noise(self, fit: Fit, floor: Array) -> Array:
+        """Return the next estimate (kinds,) of the noise, above `floor`: the residuals' squares over their redundancy.
 
         The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
         matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count
-        as the noise found makes them count. `held` (kinds,) is noise that is known, nan elsewhere. Raises
-        ConvergenceError where the parameters follow all rows of a kind, so that its noise cannot be told.
+        as the noise found makes them count. Raises ConvergenceError where the parameters follow all rows of a kind, so
+        that its noise cannot be told.
         """
-        index, names, noise = self.problem.kind_index, self.problem.kind_names, fit.noise
+        index, names, noise, held = self.problem.kind_index, self.problem.kind_names, fit.noise, self.held
         weight = self.law.weight((fit.residuals / noise[index]) ** 2)
         weighed = fit.jacobian / noise[index, None] * np.sqrt(weight)[:, None]
         length = np.linalg.norm(weighed, axis=0)
@@ -202,55 +232,6 @@ class Search:
                 break
             weight = self.law.weight((fit.residuals / noise[index]) ** 2)
         return noise
-
-
-def fit_with_noise(
-    problem: JointProblem,
-    start: Array,
-    law: NoiseLaw | None = None,
-    known: Mapping[str, float] | None = None,
-    floor: Array | None = None,
-    progress: Progress | None = None,
-) -> Fit:
-    """Fit parameters and the noise of each kind in turn, until both stand still.
-
-    `known` : noise of some kinds by name, taken as given. `floor` : least noise (kinds,).
-    Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
-    """
-    held = _known_noise(problem, known or {})
-    search = Search(problem, law or NoiseLaw(), progress)
-    vector = search.inside(start)
-    first = root_mean_square(problem, search.at(vector)[0])
-    least = _floor(first) if floor is None else floor
-    noise = np.where(np.isnan(held), np.maximum(first, least), held)
-    for turn in range(_ROUNDS):
-        fit = search.minimise(vector, noise, _FIRST if turn == 0 else _LATER)
-        vector, new = fit.vector, search.estimated_noise(fit, least, held)
-        change, noise = float(np.max(np.abs(np.log(new / noise)))), new
-        if turn > 0 and change < _NOISE_TOLERANCE:
-            break
-    converged = fit.converged and change < _NOISE_TOLERANCE
-    message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
-    return replace(search.fit(vector, noise, converged, message), known=~np.isnan(held))
-
-
-def root_mean_square(problem: JointProblem, residuals: Array) -> Array:
-    """Return the root mean square of the residuals (n,) of each kind, (kinds,)."""
-    index, count = problem.kind_index, len(problem.kind_names)
-    return np.asarray(np.sqrt(np.bincount(index, residuals**2, count) / np.bincount(index, minlength=count)))
-
-
-def _known_noise(problem: JointProblem, known: Mapping[str, float]) -> Array:
-    """The noise (kinds,) that is given, nan elsewhere."""
-    for kind, size in known.items():
-        if kind not in problem.kind_names:
-            raise unknown_name("kind of noise", kind, problem.kind_names)
-        positive_number(f"noise of {kind!r}", size)
-    return np.array([known.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
-
-
-def _floor(first: Array) -> Array:
-    return np.maximum(_LEAST_NOISE * first, 1e-30)
 
 
 def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
@@ -276,23 +257,21 @@ def multi_start(
 ) -> MultiStart:
     """Fit from every start (count, k) and keep the best; a start without an answer is recorded and passed over.
 
-    `progress` is called with the fraction done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if
-    no start has an answer.
+    known : noise of some kinds by name, taken as given. `progress` is called with the fraction done. Raises
+    InvalidInput for noise of an unknown kind, ConvergenceError if no start has an answer.
     """
-    fits, failures, floor = [], [], None
-    _known_noise(problem, known or {})
+    search, fits, failures = Search(problem, law, known), [], []
     for number, start in enumerate(starts):
         part = part_of(progress, number, len(starts))
         try:
-            if floor is None:
-                floor = _floor(root_mean_square(problem, problem.evaluate(start)[0]))
-            fits.append(fit_with_noise(problem, start, law, known, floor, part))
+            fits.append(search.solve(start, part))
         except NO_ANSWER as cause:
             failures.append(f"{type(cause).__name__}: {cause}")
         part(1.0)
     if not fits:
         raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {failures[0]}")
     best = min(fits, key=lambda fit: fit.deviance)
+    # A start arrived if its deviance is as low, or its parameters are the same in their scales.
     apart = [np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits]
     higher = [abs(fit.deviance - best.deviance) for fit in fits]
     arrived = sum(d < _SAME_PLACE or h < _SAME_DEVIANCE for d, h in zip(apart, higher, strict=True))

@@ -16,6 +16,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import with_material
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Ellipse, EllipseFriction, Material, PatchFootprint, PointFootprint, Pusher
 from cyclemap.mechanics.outline import Outline
@@ -121,17 +122,14 @@ class ParameterSpace:
         return dict(zip(self.names, np.asarray(vector, dtype=float).tolist(), strict=True))
 
 
+_OFFSET = "centre of the friction ellipse"
 SURFACE = ParameterSpace(
     (
         Parameter("friction_scale", "log of the mean friction coefficient", "1", -5.0, 1.5, math.log(0.25), 0.5),
         Parameter("ellipticity_x", "log axis ratio of the friction ellipse, part along x", "1", -1.5, 1.5, 0.0, 0.2),
         Parameter("ellipticity_y", "log axis ratio of the friction ellipse, part at 45 deg", "1", -1.5, 1.5, 0.0, 0.2),
-        Parameter(
-            "offset_x", "centre of the friction ellipse along x, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1
-        ),
-        Parameter(
-            "offset_y", "centre of the friction ellipse along y, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1
-        ),
+        Parameter("offset_x", f"{_OFFSET} along x, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1),
+        Parameter("offset_y", f"{_OFFSET} along y, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1),
         Parameter(
             "pusher_friction", "friction coefficient of rod and object", "1", 0.0, 1.5, 0.2, 0.08, Pusher().friction
         ),
@@ -241,20 +239,9 @@ class SurfaceParameters:
             raise InvalidInput(
                 f"the jacobian has shape {columns.shape}: its last axis must match the {len(names)} names"
             )
-        table = self._by_surface()
-        for name in names:
-            if name not in table:
-                raise unknown_name("parameter of the mechanics", name, table)
-        rows = np.array([table[name] for name in names]).reshape(len(names), len(SURFACE))
-        for name in parameters:
-            if name not in SURFACE.names:
-                raise unknown_name("parameter", name, SURFACE.names)
-        return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
-
-    def _by_surface(self) -> dict[str, Array]:
-        """The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no bound at a circle."""
         ratio, phi = self._ellipse()
         law, mean = self.to_friction(), math.exp(self.friction_scale)
+        # The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no bound at a circle.
         double = np.array((math.cos(2 * phi), math.sin(2 * phi)))
         across = np.array((-math.sin(2 * phi), math.cos(2 * phi)))
         c, k = math.cos(phi), math.sin(phi)
@@ -270,23 +257,19 @@ class SurfaceParameters:
         table["corner_share"] = (1.0 - rim) * by_corner - corner * by_rim
         table["inner_share"] = (1.0 - rim) * ((1.0 - corner) * table["inner_share"] - inner * by_corner)
         table["inner_share"] -= (1.0 - corner) * inner * by_rim
-        return table
+        for name in names:
+            if name not in table:
+                raise unknown_name("parameter of the mechanics", name, table)
+        for name in parameters:
+            if name not in SURFACE.names:
+                raise unknown_name("parameter", name, SURFACE.names)
+        rows = np.array([table[name] for name in names]).reshape(len(names), len(SURFACE))
+        return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
 
     def _ellipse(self) -> tuple[float, float]:
         """Return log(mu_a/mu_b), never quite zero, and phi."""
         ratio = math.hypot(self.ellipticity_x, self.ellipticity_y)
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
-
-
-def share_unknowns(footprint: PatchFootprint) -> dict[str, float]:
-    """Return the unknowns rim_share, corner_share and inner_share whose `SurfaceParameters.shares` a footprint has."""
-    left = 1.0 - footprint.rim_share
-    rest = left - footprint.corner_share
-    return {
-        "rim_share": footprint.rim_share,
-        "corner_share": min(footprint.corner_share / left, 1.0) if left > 0.0 else 0.0,
-        "inner_share": min(footprint.inner_share / rest, 1.0) if rest > 0.0 else 0.0,
-    }
 
 
 def share_names(outline: Outline) -> tuple[str, ...]:
@@ -317,25 +300,25 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     """
     if isinstance(loop.footprint, PointFootprint):
         raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
+    if start is not None:
+        loop = with_material(loop, start)
+    even = PatchFootprint(loop.slider.outline)
+    pressure = loop.footprint if isinstance(loop.footprint, PatchFootprint) else even
+    # What the rim leaves of the weight, and what rim and corners leave.
+    left = 1.0 - pressure.rim_share
+    rest = left - pressure.corner_share
     values = SurfaceParameters.from_friction(
         loop.material.friction,
         pusher_friction=loop.pusher.friction,
-        **share_unknowns(loop.footprint or PatchFootprint(loop.slider.outline)),
+        rim_share=pressure.rim_share,
+        corner_share=min(pressure.corner_share / left, 1.0) if left > 0.0 else 0.0,
+        inner_share=min(pressure.inner_share / rest, 1.0) if rest > 0.0 else 0.0,
         pin_friction_radius=loop.reset.pin_friction_radius,
     ).values()
+    space = ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
     if start is None:
-        return ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
-    friction = SurfaceParameters.from_friction(start.friction).values()
-    values |= {name: friction[name] for name in SURFACE.names[:5]}
-    pressure = start.pressure_of(loop.slider.name)
-    if pressure is not None:
-        values |= share_unknowns(PatchFootprint(loop.slider.outline, **pressure.shares))  # type: ignore[arg-type]
-    found = {field.name: getattr(start.found_with, field.name) for field in fields(start.found_with)}
-    values |= {name: value for name, value in found.items() if value is not None and name in SURFACE.names}
-    searched = []
-    for one in SURFACE.parameters:
-        # A search begins at the value, or a little inside the bound that it lies on.
-        margin, value = 0.01 * (one.upper - one.lower), values[one.name]
-        inside = min(max(value, one.lower + margin), one.upper - margin)
-        searched.append(replace(one, start=inside, nominal=value))
-    return ParameterSpace(tuple(searched))
+        return space
+    # A search begins at the value, or a little inside the bound that it lies on.
+    margin = 0.01 * (space.upper - space.lower)
+    inside = np.clip(space.vector(values), space.lower + margin, space.upper - margin).tolist()
+    return ParameterSpace(tuple(replace(one, start=at) for one, at in zip(space.parameters, inside, strict=True)))

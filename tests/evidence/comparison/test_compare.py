@@ -1,4 +1,4 @@
-"""compare: every kind of prediction and data, the truth kept and a wrong law refused, fits told and fitted again."""
+"""compare: every kind of prediction and data, the truth kept and a wrong law refused."""
 
 from dataclasses import replace
 
@@ -8,10 +8,10 @@ from made_collections import NOISE, SINE, WORN, own_pushes, pairs_of, pose_row, 
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence import Theta0Pairs, collection_p_values, compare, fit_map, simulated_ensemble
+from cyclemap.evidence import Theta0Pairs, collection_p_values, compare, simulated_ensemble
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.cycle_agreement import map_misfit
-from cyclemap.evidence.comparison.prediction import as_prediction, refit_rule
+from cyclemap.evidence.comparison.prediction import as_prediction
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.mechanics import MaterialPosterior
 
@@ -33,7 +33,6 @@ def test_the_true_law_is_kept_in_every_question() -> None:
     assert [one.agrees for one in truth.verdicts] == [True] * 8
     assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1)
     assert truth.cycle.noise == pytest.approx(0.15)
-    assert not truth.refitted
     width = 2 * np.pi / truth.orientations.predicted.density.size
     for histogram in (truth.orientations.measured, truth.orientations.predicted):
         assert histogram.density.sum() * width == pytest.approx(1.0)
@@ -54,7 +53,7 @@ def test_the_true_law_is_kept_in_every_question() -> None:
 )
 def test_a_wrong_law_is_refused(quick, wrong, noise) -> None:
     found = compare(wrong, sine_pairs(300), noise=noise, runs=49)
-    assert found.orientations.watson.value <= 0.02
+    assert found.orientations.tests["watson"].value <= 0.02
     # The noise is no part of the map: that test is blind to it.
     assert (found.cycle.p_value.value <= 0.02) == (wrong is not SINE)
 
@@ -66,41 +65,11 @@ def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
     still = compare(WORN.at(0), pairs_of(path), noise=NOISE, first=100, runs=49)
     shifted = compare(WORN, pairs_of(path[100:]), noise=NOISE, runs=49)
     assert right.cycle.agreement.pairs == shifted.cycle.agreement.pairs == 300
-    assert right.data.path_first == 100
-    assert min(right.orientations.watson.value, right.cycle.p_value.value) > 0.05
-    assert still.orientations.watson.value <= 0.02
+    assert right.data.pairs.path_cycle[0] == 100
+    assert min(right.orientations.tests["watson"].value, right.cycle.p_value.value) > 0.05
+    assert still.orientations.tests["watson"].value <= 0.02
     assert shifted.cycle.p_value.value <= 0.02
     assert right.staircase.theory is None
-
-
-FITS = {
-    "two harmonics": lambda pairs: fit_map(pairs.theta, pairs.theta_next, harmonics=2),
-    "fitted": lambda pairs: fit_map(pairs.theta, pairs.theta_next),
-    "worn": lambda pairs: fit_map(pairs.theta, pairs.theta_next, cycle=np.arange(200.0)),
-}
-
-
-@pytest.mark.parametrize("kind", FITS)
-def test_a_fit_to_the_very_data_is_told_and_fitted_again(kind) -> None:
-    pairs, cycle = sine_pairs(200), np.arange(200.0)
-    given = FITS[kind](pairs)
-    assert refit_rule(given, sine_pairs(200, seed=1), cycle, 0) is None
-    again, predicted = refit_rule(given, pairs, cycle, 0)(pairs.path), as_prediction(given, None, 200)
-    grid = np.linspace(0.0, 6.0, 20)
-    for number in (0, 150):
-        maps = [one if isinstance(one, CircleMap) else one.at(number) for one in (again.map, predicted.map)]
-        assert np.abs(maps[0](grid) - maps[1](grid)).max() < 2e-3
-    assert again.noise.sigma == pytest.approx(predicted.noise.sigma)
-
-
-@pytest.mark.slow
-def test_the_refitted_null_is_used_where_the_fit_is_of_these_data(quick) -> None:
-    pairs, others = sine_pairs(120), sine_pairs(120, seed=7)
-    fits = [fit_map(some.theta, some.theta_next, harmonics=1) for some in (pairs, others)]
-    own, other = (compare(fitted, pairs, runs=19) for fitted in fits)
-    assert (own.refitted, other.refitted) == (True, False)
-    assert own.cycle.agreement.rms < other.cycle.agreement.rms
-    assert abs(own.cycle.bias) < 1e-12
 
 
 def test_pairs_without_an_order_compare_the_map_alone() -> None:
@@ -131,7 +100,7 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
     assert found.verdicts[3].words.startswith("Pushes end 1.0 mm and 0.0° from the prediction on average; isotropic")
     assert found.cycle.agreement.pairs == 40
     assert "predicted over 41 pushes" in found.verdicts[1].words
-    assert np.allclose(np.diff(found.data.path), np.diff(path), atol=1e-9)
+    assert np.allclose(np.diff(found.data.pairs.path), np.diff(path), atol=1e-9)
     assert progress == sorted(progress) and progress[-1] == 1.0
 
 
@@ -146,7 +115,7 @@ def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_say
         friction = replace(loop.material.friction, mu_a=mu_a * ratio)
         truth = replace(loop, material=replace(loop.material, friction=friction)).circle_map(1e-4)
         path = sample_staircase(truth, quiet, 200, 0.5, number).theta
-        for name, model in (("known", prediction.null(0)), ("alone", prediction.model(0))):
+        for name, model in (("known", prediction.model(0, uncertain=True)), ("alone", prediction.model(0))):
             ensemble = simulated_ensemble(prediction.model(0), 0.5, path.size, 20, seed=9)
             found = collection_p_values(path, model, {"map": map_misfit}, runs=99, ensemble=ensemble)
             refused[name] += found["map"].value <= 0.1
@@ -165,14 +134,14 @@ def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
 
 
 def test_pairs_keep_the_numbers_of_their_pushes() -> None:
-    """Pairs 3 and 7 are missing from the list; a path that is another one numbers them in order."""
+    """Pairs 3 and 7 are missing from the list; pairs that tell no numbers have them in order."""
     path = sine_pairs(20).path
-    kept = np.delete(np.arange(20), [3, 7])
-    own = collection_data(Theta0Pairs(path[kept], path[kept + 1], path), None, first=5)
+    kept = np.delete(np.arange(20.0), [3, 7])
+    ends = path[kept.astype(int)], path[kept.astype(int) + 1]
+    own = collection_data(Theta0Pairs(*ends, path, cycle=kept), None, first=5).pairs
     assert own.cycle.tolist() == [5, 6, *range(8, 20)]
     assert np.array_equal(own.path, path[5:])
-    other = collection_data(Theta0Pairs(path[kept], path[kept + 1], path + 1.0), None)
-    assert other.cycle.tolist() == list(range(18))
+    assert collection_data(Theta0Pairs(*ends), None).pairs.cycle.tolist() == list(range(18))
 
 
 def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
@@ -180,12 +149,12 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
     data = collection_data(write_poses(tmp_path / "two.csv", rows), None)
-    assert data.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
+    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
     assert data.left_out["cycle of another set"] == 2
-    assert data.path_first == 4
-    assert np.allclose(data.path, 0.1 * np.arange(4, 10))
+    assert data.pairs.path_cycle.tolist() == [4, 5, 6, 7, 8, 9]
+    assert np.allclose(data.pairs.path, 0.1 * np.arange(4, 10))
     (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")
-    assert np.degrees(collection_data(tmp_path / "theta.csv", None).path) == pytest.approx([340.0, 355.0, 372.0])
+    assert np.degrees(collection_data(tmp_path / "theta.csv", None).pairs.path) == pytest.approx([340.0, 355.0, 372.0])
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from cyclemap.evidence.comparison.push_agreement import (
     mean_error,
     pooled_quantities,
     push_agreements,
-    quantity_agreement,
     within_error,
 )
 from cyclemap.mechanics import MaterialPosterior
@@ -54,16 +53,6 @@ def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(loop, 
         assert one.percent == pytest.approx(100 * abs(shift) / abs(one.measured_mean), rel=1e-6, abs=1e-5)
         assert one.predicted_std == pytest.approx(one.measured_std)
         assert shift or (one.explains and one.agrees is True), "what is off by rounding alone is not off"
-
-
-def test_rmse_is_bias_and_spread_at_right_angles_and_the_std_is_the_best_constant() -> None:
-    rng = np.random.default_rng(1)
-    measured, predicted = rng.normal(3.0, 1.0, 200), rng.normal(2.5, 1.0, 200)
-    found = quantity_agreement("dx", measured, predicted)
-    assert found.rmse == pytest.approx(np.hypot(found.bias, found.spread))
-    best = np.sqrt(np.mean((measured[:, None] - np.linspace(0.0, 6.0, 2001)) ** 2, axis=0)).min()
-    assert found.measured_std == pytest.approx(best, abs=1e-6)
-    assert not found.explains
 
 
 def test_place_direction_length_and_object_of_a_push_are_the_datas(loop, written) -> None:

@@ -4,12 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.evidence import FunctionBlock, friction_scan_block
+from cyclemap.evidence import DataBlock, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem, Values
-from cyclemap.evidence.identification.identifiability import uncertainty
-from cyclemap.evidence.identification.least_squares import Fit
+from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw, multi_start
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.mechanics import EllipseFriction
 
 ELLIPSE = SURFACE.names[:5]
 MOTION = (*SURFACE.names[1:5], "pusher_friction", "rim_share")
@@ -49,7 +48,7 @@ def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
     return np.concatenate([turn, shift]), np.stack([np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1)
 
 
-def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray) -> FunctionBlock:
+def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray) -> DataBlock:
     """A block whose data are the law at TRUTH plus `noise` (2 n,); the two rows of a direction are one group."""
     data = law(TRUTH, directions)[0] + noise
     kinds = {"forces": ("force (1)", "force (1)"), "motions": ("turn (rad)", "shift (m)")}[law.__name__]
@@ -59,10 +58,10 @@ def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarr
         return predicted - data, jacobian
 
     groups = np.tile(np.arange(len(directions)), 2)
-    return FunctionBlock(name, parameters, function, groups, np.repeat(kinds, len(directions)))
+    return DataBlock(name, parameters, function, groups, np.repeat(kinds, len(directions)))
 
 
-def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan") -> FunctionBlock:
+def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan") -> DataBlock:
     rng = np.random.default_rng([seed, 1])
     directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
     return block(name, forces, ELLIPSE, directions, noise * rng.standard_normal(2 * count))
@@ -70,7 +69,7 @@ def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = 
 
 def motion_block(
     count: int = 16, turn_noise: float = 0.0, shift_noise: float = 0.0, seed: int = 0, shared: float = 0.0
-) -> FunctionBlock:
+) -> DataBlock:
     """`shared`: share of the variance that the turn and the shift of a push have in common."""
     rng = np.random.default_rng([seed, 2])
     directions = rng.uniform(0.0, 2 * np.pi, count)
@@ -79,14 +78,17 @@ def motion_block(
     return block("pushes", motions, MOTION, directions, np.concatenate([turn_noise * both[0], shift_noise * both[1]]))
 
 
-def holds_truth(problem: JointProblem, fit: Fit, truth: Values) -> np.ndarray:
-    """Whether the 95 % interval of each free parameter, by covariance, holds the truth."""
-    errors = uncertainty(problem, fit)
-    half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
-    return np.asarray(np.abs(fit.vector - problem.space.vector(truth)) < half * errors.standard_error)
+def fitted(problem: JointProblem, start: Any, law: NoiseLaw | None = None, known: Any = None) -> Fit:
+    """The fit from one start."""
+    return multi_start(problem, np.asarray(start)[None], law, known).best
 
 
-def hold_as_often_as_they_say(held: list[np.ndarray]) -> bool:
-    """Whether intervals of 95 % held the truth in 90 to 99 % of 200 runs, each parameter's."""
-    shares = np.mean(held, axis=0)
-    return len(held) == 200 and bool(np.all((shares >= 0.9) & (shares <= 0.99)))
+def made_scans(
+    law: EllipseFriction, directions: Any, weight: float, noise: float = 0.0, seed: int = 0
+) -> dict[str, Any]:
+    """Friction scans of an object in directions (n,) rad, twice each; noise in N."""
+    direction = np.repeat(directions, 2)
+    c, s = np.cos(direction), np.sin(direction)
+    fx, fy = weight * law.traction(np.stack([c, s], axis=-1)).T
+    along, across = noise * np.random.default_rng(seed).standard_normal((2, len(direction)))
+    return {"direction": direction, "force_along": c * fx + s * fy + along, "force_across": c * fy - s * fx + across}

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from stand_ins import made_scans
 
 from cyclemap.evidence import Identification, friction_ellipse_from_scans
 from cyclemap.evidence.identified_material import Derived, derived_quantities, sampled_values
@@ -22,11 +23,8 @@ TRUTH = {
 
 def identified(law: EllipseFriction, noise: float, seed: int = 0, count: int = 36) -> Identification:
     """From made scans, noise in N, of an object of 8 N."""
-    direction = np.linspace(0.0, 2 * np.pi, count, endpoint=False).repeat(2)
-    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
-    force = 8.0 * law.traction(way) + noise * np.random.default_rng(seed).standard_normal((2 * count, 2))
-    along, across = np.sum(force * way, axis=1), force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
-    return friction_ellipse_from_scans({"direction": direction, "force_along": along, "force_across": across}, 8.0)
+    directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+    return friction_ellipse_from_scans(made_scans(law, directions, 8.0, noise, seed), 8.0)
 
 
 def derived(law: EllipseFriction, noise: float) -> dict[str, Derived]:

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 from scipy.stats import t as student
-from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
+from stand_ins import fitted
 
-from cyclemap.evidence import FunctionBlock, Parameter, ParameterSpace, identify
+from cyclemap.evidence import DataBlock, Parameter, ParameterSpace, identify
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import uncertainty
-from cyclemap.evidence.identification.least_squares import fit_with_noise
-from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 
 X = np.linspace(0.0, 1.0, 12)
@@ -21,18 +19,18 @@ DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
 def level_of(data: np.ndarray, groups: np.ndarray, kinds: object = "m") -> JointProblem:
     """The mean of some data."""
     design = np.ones((len(data), 1))
-    block = FunctionBlock("level", ("level",), lambda v: (v["level"] - data, design), groups, kinds)
+    block = DataBlock("level", ("level",), lambda v: (v["level"] - data, design), groups, kinds)
     return JointProblem((block,), LINE.select(("level",)), {})
 
 
 @pytest.fixture
 def line() -> JointProblem:
-    block = FunctionBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
+    block = DataBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
     return JointProblem((block,), LINE, {})
 
 
 def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students(line) -> None:
-    fit = fit_with_noise(line, LINE.start)
+    fit = fitted(line, LINE.start)
     errors = uncertainty(line, fit)
     best, squares, _, _ = np.linalg.lstsq(DESIGN, DATA, rcond=None)
     covariance = squares[0] / 10 * np.linalg.inv(DESIGN.T @ DESIGN)
@@ -48,7 +46,7 @@ def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students(li
 
 
 def test_known_noise_gives_the_normal_quantile_and_its_own_errors(line) -> None:
-    errors = uncertainty(line, fit_with_noise(line, LINE.start, known={"m": 0.5}))
+    errors = uncertainty(line, fitted(line, LINE.start, known={"m": 0.5}))
     assert np.allclose(errors.covariance, 0.25 * np.linalg.inv(DESIGN.T @ DESIGN), rtol=1e-9)
     assert student_quantile(0.95, float(errors.freedom[0])) == pytest.approx(1.959964, abs=1e-6)
 
@@ -57,7 +55,7 @@ def test_rows_written_down_twice_as_one_group_tell_no_more_than_once() -> None:
     """Six places, each measured once but entered twice: grouped errors see six values, not twelve."""
     data = np.random.default_rng(1).standard_normal(6)
     problem = level_of(np.repeat(data, 2), np.repeat(np.arange(6), 2))
-    errors = uncertainty(problem, fit_with_noise(problem, np.zeros(1)))
+    errors = uncertainty(problem, fitted(problem, np.zeros(1)))
     assert np.isclose(errors.standard_error[0], np.std(data, ddof=1) / np.sqrt(6), rtol=1e-9)
     assert np.isclose(errors.freedom[0], 5.0)
 
@@ -70,7 +68,7 @@ def test_the_mean_of_two_samples_weighed_by_their_own_noise_varies_as_meier_says
     count, kinds = np.array([8, 20]), np.repeat(["a", "b"], [8, 20])
     data = np.where(kinds == "a", 0.1, 0.4) * np.random.default_rng(8).standard_normal(28)
     problem = level_of(data, np.arange(28), kinds)
-    fit = fit_with_noise(problem, np.zeros(1))
+    fit = fitted(problem, np.zeros(1))
     share, plain = count / fit.noise**2 / np.sum(count / fit.noise**2), 1.0 / np.sum(count / fit.noise**2)
     extra = 2.0 * np.sum(share * (1.0 - share) / (count - share)) * plain
     assert np.isclose(uncertainty(problem, fit).covariance[0, 0], plain + 2.0 * extra, rtol=1e-9)
@@ -86,18 +84,8 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
 
     names = ("pin", "lever", "idle")
     space = ParameterSpace(tuple(Parameter(name, "", "1", 0.1, 3.0, 0.6, 0.1) for name in names))
-    found = identify([FunctionBlock("product", names, law, np.arange(12), "1")], names, space=space, starts=1)
+    found = identify([DataBlock("product", names, law, np.arange(12), "1")], names, space=space, starts=1)
     assert np.all(np.isinf(found.uncertainty.standard_error))
     assert len(found.uncertainty.open) == 2 and "idle is not fixed by the data" in found.notes
     assert any(f"{a} and {b} trade off" in " ".join(found.notes) for a, b in (names[:2], names[1::-1]))
     assert {(one.lower, one.upper, one.identifiable) for one in found.estimates} == {(0.1, 3.0, False)}
-
-
-def test_motion_alone_leaves_the_scale_of_friction_open_and_forces_fix_it() -> None:
-    blind = FunctionBlock("still", ("friction_scale",), lambda v: (X, np.zeros((12, 1))), np.arange(12), "1")
-    held = {name: TRUTH[name] for name in ("pusher_friction", "rim_share")}
-    motion = JointProblem((blind, motion_block(20, 0.02, 0.002)), SURFACE.select(ELLIPSE), held)
-    told = uncertainty(motion, fit_with_noise(motion, motion.space.start)).open
-    assert told == ("friction_scale is not fixed by the data",)
-    forced = JointProblem((*motion.blocks, force_block(12, 0.01)), motion.space, held)
-    assert uncertainty(forced, fit_with_noise(forced, forced.space.start)).open == ()

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
+from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence import FunctionBlock, SurfaceParameters
+from cyclemap.evidence import DataBlock, SurfaceParameters
 from cyclemap.evidence.identification.data_block import JointProblem, Values
 from cyclemap.evidence.identification.identifiability import uncertainty
-from cyclemap.evidence.identification.least_squares import NoiseLaw, fit_with_noise, multi_start, spread_starts
+from cyclemap.evidence.identification.least_squares import NoiseLaw, multi_start, spread_starts
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
@@ -24,7 +24,7 @@ def means(*samples: tuple[str, np.ndarray]) -> JointProblem:
     """The mean of several samples, each a kind of its own: the textbook's common mean."""
     data, kinds = np.concatenate([s for _, s in samples]), np.concatenate([[k] * len(s) for k, s in samples])
     design, groups = np.ones((len(data), 1)), np.arange(len(data))
-    block = FunctionBlock("means", ("offset_x",), lambda v: (v["offset_x"] - data, design), groups, kinds)
+    block = DataBlock("means", ("offset_x",), lambda v: (v["offset_x"] - data, design), groups, kinds)
     return JointProblem((block,), SURFACE.select(("offset_x",)), {})
 
 
@@ -33,13 +33,13 @@ def test_two_kinds_share_a_mean_as_their_noise_weighs_it() -> None:
     rng = np.random.default_rng(3)
     a, b = 0.1 + 0.01 * rng.standard_normal(8), 0.1 + 0.05 * rng.standard_normal(20)
     problem = means(("a", a), ("b", b))
-    fit = fit_with_noise(problem, problem.space.start)
+    fit = fitted(problem, problem.space.start)
     weight = np.array([8, 20]) / fit.noise**2
     share = weight / np.sum(weight)
     assert np.isclose(fit.vector[0], share @ [np.mean(a), np.mean(b)], atol=1e-5)
     squares = [np.sum((a - fit.vector[0]) ** 2), np.sum((b - fit.vector[0]) ** 2)]
     assert np.allclose(fit.noise**2, squares / (np.array([8, 20]) - share), rtol=2e-3)
-    given = fit_with_noise(problem, problem.space.start, known={"a": 0.01, "b": 0.05})
+    given = fitted(problem, problem.space.start, known={"a": 0.01, "b": 0.05})
     assert given.noise.tolist() == [0.01, 0.05]
 
 
@@ -58,7 +58,7 @@ def test_turning_the_world_turns_the_answer() -> None:
     fits = []
     for one in (block, replace(block, function=turned)):
         problem = JointProblem((one,), SURFACE.select(ELLIPSE), {})
-        fits.append(fit_with_noise(problem, problem.space.start))
+        fits.append(fitted(problem, problem.space.start))
     first, second = (SurfaceParameters(*fit.vector.tolist()) for fit in fits)
     expected = SurfaceParameters.from_friction(first.to_friction().turned(angle))
     assert second.values() == pytest.approx(expected.values(), abs=1e-6)
@@ -74,7 +74,7 @@ def with_holes(problem: JointProblem, threshold: float, error: type[Exception]) 
             raise error("no answer there")
         return block.residuals(values)
 
-    holed = FunctionBlock("holed", MOTION, law, block.groups, block.kinds)
+    holed = DataBlock("holed", MOTION, law, block.groups, block.kinds)
     return JointProblem((problem.blocks[0], holed), problem.space, {})
 
 
@@ -84,7 +84,7 @@ def test_starts_without_an_answer_are_recorded_and_passed_over(error: type[Excep
     found = multi_start(problem, spread_starts(problem, 9, seed=0))
     assert 1 <= len(found.failures) <= 7
     assert set(found.failures) == {f"{error.__name__}: no answer there"}
-    whole = fit_with_noise(joint(0.01), SPACE.start)
+    whole = fitted(joint(0.01), SPACE.start)
     errors = uncertainty(joint(0.01), whole).standard_error
     assert np.all(np.abs(found.best.vector - whole.vector) < errors / 20.0), "all that the noise's tolerance promises"
 
@@ -99,7 +99,7 @@ def test_a_search_that_meets_a_hole_on_its_way_turns_back() -> None:
     """The best point without the hole lies within it, so the search ends outside with a finite deviance."""
     problem = with_holes(joint(0.0), 0.13, ConvergenceError)
     start = SPACE.vector({**TRUTH, "pusher_friction": 0.05})
-    fit = fit_with_noise(problem, start, known=dict.fromkeys(problem.kind_names, 0.01))
+    fit = fitted(problem, start, known=dict.fromkeys(problem.kind_names, 0.01))
     assert fit.vector[5] <= 0.13
     assert np.isfinite(fit.deviance)
 
@@ -107,7 +107,7 @@ def test_a_search_that_meets_a_hole_on_its_way_turns_back() -> None:
 def test_student_noise_lets_outliers_count_for_little() -> None:
     clean = 0.1 + 0.01 * np.random.default_rng(5).standard_normal(40)
     problem = means(("m", clean + 0.5 * (np.arange(40) < 4)))
-    normal, robust = (fit_with_noise(problem, np.zeros(1), NoiseLaw(freedom)).vector[0] for freedom in (None, 4.0))
+    normal, robust = (fitted(problem, np.zeros(1), NoiseLaw(freedom)).vector[0] for freedom in (None, 4.0))
     assert abs(normal - 0.15) < 0.01
     assert abs(robust - np.mean(clean)) < 0.003
 
@@ -115,8 +115,8 @@ def test_student_noise_lets_outliers_count_for_little() -> None:
 def test_a_kind_that_the_parameters_follow_wholly_asks_for_its_noise() -> None:
     problem = means(("a", np.array([0.1])))
     with pytest.raises(ConvergenceError, match="can follow all rows of 'a'"):
-        fit_with_noise(problem, problem.space.start)
-    assert fit_with_noise(problem, problem.space.start, known={"a": 0.01}).vector[0] == pytest.approx(0.1)
+        fitted(problem, problem.space.start)
+    assert fitted(problem, problem.space.start, known={"a": 0.01}).vector[0] == pytest.approx(0.1)
 
 
 def test_starts_are_seeded_lie_within_the_bounds_and_begin_with_the_natural_one() -> None:

@@ -1,16 +1,14 @@
 """The unknowns of a surface are smooth through isotropy, turn with the world, and chain derivatives exactly."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import Parameter, ParameterSpace, SurfaceParameters
 from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE
-from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.mechanics import EllipseFriction
 
 DIRECTIONS = np.linspace(0.0, 2 * np.pi, 7, endpoint=False)
 VELOCITIES = np.stack([np.cos(DIRECTIONS), np.sin(DIRECTIONS)], axis=-1)
@@ -50,25 +48,6 @@ def test_the_chain_through_the_friction_is_the_derivative_also_at_isotropy(ellip
         slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
         assert np.allclose(exact[:, column], slope, atol=2e-6)
     assert np.max(np.abs(exact[:, 1:3])) > 0.05
-
-
-def test_the_chain_through_a_whole_cycle_of_the_mechanics_is_its_slope_on_a_round_ellipse() -> None:
-    """The next orientation's derivatives by ellipticity and offset, where phi has no meaning, against differences.
-
-    By the friction's scale it is nothing, to what derivatives are good for at this accuracy.
-    """
-    base, theta, step, here = CollectionLoop.mit(accuracy=1e-9), 0.7, 2e-3, SurfaceParameters(offset_x=0.05)
-
-    def loop(at: SurfaceParameters) -> CollectionLoop:
-        return replace(base, material=Material("made", at.to_friction()))
-
-    wanted = ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_y")
-    by_law = loop(here).sensitivity(theta, FRICTION_NAMES)
-    exact = here.chain(by_law.jacobian[by_law.outputs.index("theta_next")], FRICTION_NAMES, wanted)
-    ends = [[float(loop(replace(here, **{n: s * step})).next_theta(theta)) for s in (-1, 1)] for n in wanted[1:]]
-    assert np.allclose(exact[1:], np.diff(ends)[:, 0] / (2 * step), atol=1e-4)
-    assert np.min(np.abs(exact[1:])) > 0.05
-    assert abs(exact[0]) < 1e-6
 
 
 def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:

@@ -47,7 +47,7 @@ def test_it_says_that_it_was_inferred_and_from_what() -> None:
 
 def test_the_map_is_within_2_1_degrees_over_bins_of_the_blocks_left_out(pairs, drifting) -> None:
     late = (pairs.cycle >= 500) & (pairs.cycle // BLOCK % 2 == 1)
-    turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turn(pairs.theta[late], pairs.cycle[late])
+    turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turns(pairs.theta[late], pairs.cycle[late])[0]
     theta = pairs.theta[late]
     medians = turn_bins(Theta0Pairs(theta, theta + turn - pairs.turn[late])).median
     assert medians.size > 40
