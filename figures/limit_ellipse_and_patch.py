@@ -15,7 +15,6 @@ from matplotlib.patches import Polygon
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces, friction_ellipse_from_scans
-from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
 from cyclemap.views.style import (
     FORCE,
@@ -32,6 +31,7 @@ from cyclemap.views.style import (
 )
 
 from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
+from .measured_sets import measured_scans
 
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
@@ -65,26 +65,12 @@ class LimitEllipseAndPatch:
 def compute(measured: MeasuredFolder, surface: str = "plywood") -> LimitEllipseAndPatch:
     """Read and fit the friction scans of rect1 on `surface` where there are any, and run one push on the 8 x 8 grid."""
     loop = CollectionLoop.mit("plywood")
-    scans, fitted = measured_scans(measured, surface, loop.model.weight), None
-    if scans is not None:
-        columns = {name: getattr(scans, name) for name in SCAN_FIELDS}
-        fitted = friction_ellipse_from_scans(columns, scans.weight).friction()
+    found, scans, fitted = measured_scans(measured, surface), None, None
+    if found is not None and len(found) >= _FEWEST_SCANS:
+        direction, along, across = (found[name].to_numpy() for name in SCAN_FIELDS)
+        scans = ScanForces(direction, along, across, loop.model.weight)
+        fitted = friction_ellipse_from_scans(found, scans.weight).friction()
     return LimitEllipseAndPatch(SKETCHED, SLIDING, loop.material.friction, scans, fitted, patch_forces(loop))
-
-
-def measured_scans(measured: MeasuredFolder, surface: str, weight: float) -> ScanForces | None:
-    """Return the forces of the straight friction scans of rect1 on `surface`; None where fewer than three are found.
-
-    Looked for below SURFACE/rect1, as the MIT dataset lays them out; files that cannot be read are passed over.
-    """
-    home = measured.folder(f"{surface}/rect1")
-    folders = [] if home is None else sorted({path.parent for path in home.rglob("record_*")})
-    tables = [load_pushes(folder).scans for folder in folders]
-    parts = [scans[(scans["surface"] == surface) & (scans["object"] == "rect1")].dropna() for scans in tables]
-    columns = [[part[name].to_numpy() for name in SCAN_FIELDS] for part in parts if len(part)]
-    found = [ScanForces(direction, along, across, weight) for direction, along, across in columns]
-    count = sum(len(part.direction) for part in found)
-    return ScanForces.joined(found) if count >= _FEWEST_SCANS else None
 
 
 def limit_curve(law: EllipseFriction, count: int = 241) -> Array:

@@ -39,11 +39,6 @@ class TurnPanel:
     law: MotionLaw
     histogram: TurnHistogram | None
 
-    @property
-    def name(self) -> str:
-        """The panel's title."""
-        return f"{self.surface}, cycle" if self.whole_cycle else self.surface
-
 
 @dataclass(frozen=True, eq=False)
 class TurnHistograms:
@@ -58,30 +53,30 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DE
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.
     """
-    panels, absent = [], []
+    laws, cycle_laws, absent = [], [], []
     for surface, material in STANDS_FOR.items():
         found = measured_run(measured, surface)
         shown = sampled_run(material, sampling).pushes if found is None else found.pushes
-        panels.append(_panel(surface, found is not None, False, fitted_laws(shown).dtheta, runs))
+        laws.append((surface, found is not None, False, fitted_laws(shown).dtheta))
         if found is None:
             absent.append(surface)
             pairs = measured_theta0(measured, surface)
             if pairs is not None:
                 # θ0 was recorded without its pushes: whole cycles are at hand.
-                panels.append(_panel(surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn), runs))
-    return TurnHistograms(tuple(sorted(panels, key=lambda panel: panel.whole_cycle)), tuple(absent))
-
-
-def _panel(surface: str, recorded: bool, whole_cycle: bool, law: MotionLaw, runs: int) -> TurnPanel:
-    bins = CYCLE_BINS if whole_cycle else PUSH_BINS
-    known = None if law.law is None else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
-    return TurnPanel(surface, recorded, whole_cycle, law, known)
+                cycle_laws.append((surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn)))
+    panels = []
+    for surface, recorded, whole, law in laws + cycle_laws:
+        bins = CYCLE_BINS if whole else PUSH_BINS
+        known = None if law.law is None else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
+        panels.append(TurnPanel(surface, recorded, whole, law, known))
+    return TurnHistograms(tuple(panels), tuple(absent))
 
 
 def draw(result: TurnHistograms) -> Figure:
     """Draw the panels."""
     with picture_style():
-        figure, places = material_grid([panel.name for panel in result.panels], 2 if len(result.panels) <= 4 else 3)
+        names = [f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels]
+        figure, places = material_grid(names, 2 if len(names) <= 4 else 3)
         for axes, panel in zip(places.values(), result.panels, strict=True):
             _draw_panel(axes, panel)
     return figure

@@ -20,9 +20,9 @@ from cyclemap.figures.limit_ellipse_and_patch import (
     draw,
     lean_of,
     limit_curve,
-    measured_scans,
     patch_forces,
 )
+from cyclemap.figures.measured_sets import measured_scans
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
 # Every so many of the 144 scans of a set.
@@ -104,8 +104,7 @@ def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
 
 @pytest.mark.slow
 def test_without_scans_the_caption_alone_says_so(result, tmp_path) -> None:
-    weight = CollectionLoop.mit("plywood").model.weight
-    assert measured_scans(MeasuredFolder(tmp_path), "plywood", weight) is None
+    assert measured_scans(MeasuredFolder(tmp_path), "plywood") is None
     assert result.scans is None and result.fitted is None
     assert f"{NO_DATA.capitalize()} of friction scans" in FIGURE.caption(result)
     figure = draw(result)
@@ -114,6 +113,5 @@ def test_without_scans_the_caption_alone_says_so(result, tmp_path) -> None:
 
 
 def test_scans_of_another_surface_are_not_taken_for_plywoods(scanned) -> None:
-    weight = CollectionLoop.mit("plywood").model.weight
-    assert measured_scans(scanned, "abs", weight) is None
-    assert measured_scans(scanned, "plywood", weight) is not None
+    assert measured_scans(scanned, "abs") is None
+    assert measured_scans(scanned, "plywood") is not None

@@ -8,6 +8,7 @@ from drawn_words import assert_words_apart
 from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import total_variation
 from cyclemap.figures import staircases, theta0_histograms, turn_histograms, turn_over_theta0
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.simulated_collections import Sampling
@@ -76,7 +77,8 @@ def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
     assert plywood.theta0.size == 2000 and found[1].theta0 is None
     assert share_near(plywood.theta0, plywood.run.published.directions) > 0.8
     assert "of the 2000 recorded ones, whose highest bin is 95° to 100°" in told
-    assert f"{plywood.apart:.2f} apart in total variation" in told and 0.0 < plywood.apart < 1.0
+    apart = float(total_variation(plywood.theta0, plywood.run.pushes.theta))
+    assert f"{apart:.2f} apart in total variation" in told and 0.0 < apart < 1.0
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")
 
 

@@ -25,7 +25,7 @@ def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> N
     for push in (0, DRAWN // 2, DRAWN - 1):
         cycle = loop.cycle(float(paths.theta0[push]))
         assert paths.turn[push] == pytest.approx(cycle.push_turn, abs=1e-4)
-        assert np.allclose(paths.end[push], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
         assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
 
 
@@ -59,15 +59,15 @@ def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch
 def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_factory) -> None:
     measured = recorded_plywood(tmp_path_factory)
     paths = recorded_paths(measured, "plywood", 5)
-    assert paths is not None and paths.recorded
+    assert paths is not None
     assert paths.theta0.shape == (5,) and paths.orientations.shape == (RECORDED,)
     loop = CollectionLoop.mit("plywood")
     for push in range(5):
         cycle = loop.cycle(float(paths.theta0[push]))
-        assert np.allclose(paths.end[push], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
         assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
     surfaces = paths_on_four_surfaces(measured, CYCLES, DRAWN)
-    assert [one.recorded for one in surfaces] == [True, False, False, False]
+    assert [one.origin for one in surfaces] == ["recorded", "simulated", "simulated", "simulated"]
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ from figure_cases import CYCLES, DRAWN, NOWHERE, assert_drawn, recorded_plywood,
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import trajectories_object_frame, trajectories_robot_frame
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
+from cyclemap.figures.pushed_paths import paths_on_four_surfaces
 from cyclemap.figures.trajectories_robot_frame import CROWDED, crowded_arcs
 from cyclemap.maps import WrappedNormal, sample_staircase
 
@@ -32,7 +33,7 @@ def robots():
 
 
 def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(objects) -> None:
-    spread = np.array([objects.spread(number) for number in range(4)])
+    spread = np.array([paths.spread for paths in objects])
     assert np.all(spread > 0.0)
     assert np.all(spread[3, [0, 2]] > spread[1:3][:, [0, 2]])
     assert spread[3, 2] > 0.008
@@ -42,7 +43,7 @@ def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(obj
 def test_the_spreads_of_the_caption_are_those_of_the_paths_beside_table_ii(objects) -> None:
     told = trajectories_object_frame.FIGURE.caption(objects)
     printed = (4.7, 2.8, 8.6), (3.2, 1.6, 5.3), (1.3, 1.0, 3.2), (4.5, 2.9, 11.4)
-    for paths, (a, b, c) in zip(objects.surfaces, printed, strict=True):
+    for paths, (a, b, c) in zip(objects, printed, strict=True):
         turn, (dx, dy) = np.degrees(np.std(paths.turn)), 1000.0 * np.std(paths.object_frame[:, -1], axis=0)
         assert f"{paths.surface} {turn:.1f}° ({a}), {dx:.1f} mm ({b}), {dy:.1f} mm ({c})" in told
 
@@ -52,7 +53,7 @@ def test_on_table_i_a_run_stays_in_one_direction_as_the_caption_says(objects) ->
     table = CollectionLoop.mit("plywood", accuracy=1e-6).circle_map(1e-3)
     run = sample_staircase(table, WrappedNormal(math.radians(1.1)), 500, 0.0, seed=4).theta[100:]
     assert np.ptp(run) < math.radians(50.0)
-    plywood = objects.surfaces[0]
+    plywood = objects[0]
     assert plywood.orientations[-1] - plywood.orientations[0] > 2 * math.pi
     assert "with Table I a run stays in one direction" in trajectories_object_frame.FIGURE.caption(objects)
 
@@ -103,7 +104,7 @@ def test_recorded_pushes_take_the_place_of_simulated_ones(module, tmp_path_facto
 def test_on_plywood_the_pushes_start_where_the_robots_did(module, measured_data) -> None:
     """At measured orientations, from the first to the last, and it is said."""
     found = made(module, MeasuredFolder(measured_data))
-    plywood = found.surfaces[0]
+    plywood = paths_on_four_surfaces(MeasuredFolder(measured_data), CYCLES, DRAWN)[0]
     assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
     assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
     told, figure = module.FIGURE.caption(found), module.FIGURE.draw(found)
