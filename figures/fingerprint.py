@@ -33,7 +33,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 
 INCHES = (13.333, 4.6)
 SCALES = 2.0 ** -np.arange(0.0, 6.0)
@@ -219,6 +219,3 @@ def caption(result: FingerprintAgainstFull) -> str:
         f"stable direction with its power {direction:.2f}, the latter with the ring {1e3 * result.ring:.1f} mm from "
         "the centre, where an isotropic cycle turns nothing."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -22,7 +22,7 @@ from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
-from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
@@ -97,7 +97,7 @@ def predicted_ratio(course: Trajectory, radius: float, friction: float) -> Predi
 
 def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     """Return the ratio of that recorded push of an MIT shape which has most samples of sticking and of sliding both."""
-    home = measured.folder(FOLDER)
+    home = measured.find(FOLDER)
     files = [] if home is None else [path for path in push_file_names(home) if _facts(path).object in MIT_SHAPE_NAMES]
     records, unreadable = readable_pushes(files[:MOST_FILES])
     best: tuple[int, Path, PushRecord, SlidingForces] | None = None
@@ -198,6 +198,3 @@ def caption(result: ForceRatio) -> str:
         f"ratio is {recorded.friction:.3f} (median of {len(recorded.forces.ratio)} pieces; the paper's push has "
         f"0.15); while it sticks {100 * over:.0f} % of the samples lie below that."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

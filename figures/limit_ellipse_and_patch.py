@@ -30,7 +30,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_scans
 
 MM = 1000.0
@@ -244,6 +244,3 @@ def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
 
 def _torque(lever: Array, force: Array) -> Array:
     return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
-
-
-FIGURE = PaperFigure(compute, draw, caption)

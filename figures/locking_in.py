@@ -35,7 +35,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import Frame, MeasuredFolder, PaperAnimation
+from .catalogue import Frame, MeasuredFolder
 
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.
@@ -303,6 +303,3 @@ def figure_pixels(figure: Figure, dpi: float) -> NDArray[np.uint8]:
     canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
-
-
-ANIMATION = PaperAnimation(compute, frames, caption)

@@ -51,7 +51,7 @@ def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
     found = None if measured.path is None else _run_below(measured.path, surface)
     if measured.path is not None and found is not None:
         # One who watches the folder so knows what was used.
-        measured.folder(found.pushes.source.relative_to(measured.path).as_posix())
+        measured.find(found.pushes.source.relative_to(measured.path).as_posix())
     return found
 
 
@@ -60,7 +60,7 @@ def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | Non
     found = measured_run(measured, surface)
     if found is not None and found.pushes.pairs is not None:
         return found.pushes.pairs
-    file = measured.file(THETA0_FILE) if surface == THETA0_SURFACE else None
+    file = measured.find(THETA0_FILE) if surface == THETA0_SURFACE else None
     return None if file is None else read_theta0_pairs(file)
 
 
@@ -77,7 +77,7 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
         homes[home] += sum(one is not None and (one.surface, one.object) == (surface, OBJECT) for one in scans)
     for home, count in homes.most_common(1):
         if count:
-            measured.folder(Path(home).relative_to(measured.path).as_posix())
+            measured.find(Path(home).relative_to(measured.path).as_posix())
             scans = load_pushes(home).scans
             told = scans[(scans["surface"] == surface) & (scans["object"] == OBJECT)]
             return told.dropna(subset=list(SCAN_FIELDS))

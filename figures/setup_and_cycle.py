@@ -15,7 +15,7 @@ from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.portrait_curves import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, arrow, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 
 MM = 1000.0
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
@@ -166,6 +166,3 @@ def caption(result: SetupAndCycles) -> str:
         f"{told[2]:.1f}°, so that the next push starts at {told[3]:.1f}°: the ring is back at its target, the centre "
         "is not where it was."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

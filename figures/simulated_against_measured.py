@@ -30,7 +30,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .measured_sets import MeasuredRun, measured_run, measured_theta0
 
 SURFACE = "plywood"
@@ -188,6 +188,3 @@ def caption(result: SimulatedAgainstMeasured) -> str:
         f"Left, the push: {dots} The band is the published mean and standard deviation, {mean:.1f}° ± {spread:.1f}° "
         f"(Table II); simulated {where}: {'; '.join(pushes)}. Right, push and drag together: {cycles}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

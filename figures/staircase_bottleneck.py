@@ -50,7 +50,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .loop_family import with_ring_at
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.
@@ -111,7 +111,7 @@ def compute(measured: MeasuredFolder, cycles: int = 20_000, tolerance: float = 1
     circle_map, noise = loop.circle_map(tolerance=tolerance), WrappedNormal(DEFAULT_SIGMA)
     path = sample_staircase(circle_map, noise, cycles, seed=0).theta
     computed = bottleneck(f"computed, ring at {1000 * RADIUS:g} mm", circle_map, DEFAULT_SIGMA, path)
-    file = measured.file(THETA0_FILE)
+    file = measured.find(THETA0_FILE)
     return StaircaseBottleneck(computed, None if file is None else measured_bottleneck(file))
 
 
@@ -283,6 +283,3 @@ def caption(result: StaircaseBottleneck) -> str:
         f"than noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
         f"{halves[1].mean():.0f}.{climbs}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

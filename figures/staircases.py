@@ -17,7 +17,7 @@ from cyclemap.views.fit_page import CIRCLE
 from cyclemap.views.portrait_page import draw_staircase
 from cyclemap.views.style import PREDICTED_FILL, legend_above
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
 from .measured_sets import measured_theta0, not_found
 from .simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
@@ -153,6 +153,3 @@ def _told(climb: Climb) -> str:
 
 def _signed(turns: float) -> str:
     return f"{round(turns, 1) + 0.0:+.1f}"
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -8,7 +8,7 @@ from cyclemap.arrays import Array
 from cyclemap.evidence import push_statistics
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 
-from .catalogue import MeasuredFolder, PaperTable
+from .catalogue import MeasuredFolder
 from .measured_sets import not_found
 from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, material_pushes
 
@@ -66,6 +66,3 @@ def caption(result: Deviations) -> str:
         )
     told.append(not_found("pushes", [each.published.material for each, _ in result if not each.recorded]))
     return " ".join(filter(None, told))
-
-
-TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -10,7 +10,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import friction_ellipse_from_scans
 from cyclemap.mechanics import EllipseFriction, load_material
 
-from .catalogue import MeasuredFolder, PaperTable
+from .catalogue import MeasuredFolder
 from .measured_sets import listed, measured_scans, not_found
 from .simulated_collections import SIMULATED
 
@@ -130,6 +130,3 @@ def caption(result: FrictionEllipses) -> str:
         not_found("friction scans", result.absent),
     ]
     return " ".join(filter(None, told))
-
-
-TABLE = PaperTable(compute, HEADER, rows, caption)

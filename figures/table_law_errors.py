@@ -8,7 +8,7 @@ from cyclemap.evidence import SetLaws
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 from cyclemap.evidence.tables.set_fit import MotionLaw
 
-from .catalogue import MeasuredFolder, PaperTable
+from .catalogue import MeasuredFolder
 from .measured_sets import listed, not_found
 from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, fitted_laws, material_pushes
 
@@ -69,6 +69,3 @@ def caption(result: LawErrors) -> str:
 
 def _error(found: MotionLaw, factor: float) -> str:
     return "no law" if found.law is None else f"{abs(factor) * found.law.rmse:.2f}"
-
-
-TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -15,7 +15,7 @@ from cyclemap.views.fit_page import CIRCLE, THETA0
 from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
 from .measured_sets import listed, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
@@ -141,6 +141,3 @@ def _sentence(one: MaterialDirections) -> str:
         f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is {low:.0f}° to "
         f"{high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

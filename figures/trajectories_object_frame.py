@@ -7,7 +7,7 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.views.style import new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .pushed_paths import (
     CYCLES,
     DRAWN,
@@ -67,6 +67,3 @@ def caption(result: list[PushedPaths]) -> str:
         f"published one (Table II): {'; '.join(spreads)}. {scatter}"
         f"{material_sentence(result)}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -11,7 +11,7 @@ from cyclemap.arrays import Array, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
 from cyclemap.views.style import FORCE, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .pushed_paths import (
     CYCLES,
     DRAWN,
@@ -125,6 +125,3 @@ def caption(result: RobotFramePaths) -> str:
         f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
         f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

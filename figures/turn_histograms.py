@@ -13,7 +13,7 @@ from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
 from cyclemap.views.style import picture_style, say
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import as_simulated, material_grid
 from .measured_sets import measured_run, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
@@ -121,6 +121,3 @@ def _sentence(panel: TurnPanel) -> str:
         f"{found.total_variation:.2f} off in total variation, {chance} the {found.chance_total_variation:.2f} that "
         f"chance makes in 19 of 20 sets, and without its scatter {found.law_alone_total_variation:.2f}."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

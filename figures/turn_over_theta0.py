@@ -14,7 +14,7 @@ from cyclemap.evidence.tables.set_fit import MotionLaw
 from cyclemap.views.fit_page import CIRCLE, draw_law
 from cyclemap.views.style import INK, QUIET, legend_above
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import as_simulated, draw_materials
 from .measured_sets import MeasuredRun, listed, measured_run, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
@@ -123,6 +123,3 @@ def _sentence(one: MaterialTurns) -> str:
         f"(paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 % of these start on an arc of "
         f"{np.degrees(one.arc):.0f}°."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -27,7 +27,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 
 MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
@@ -103,7 +103,7 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
     turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
     error = drifting.max_error
     least = np.array([drifting.at(float(age)).turn(_GRID).min() for age in cycles])
-    file = measured.file(THETA0_FILE)
+    file = measured.find(THETA0_FILE)
     if file is None:
         return WearDrift(cycles, least, turns, ages, mean_turn, error, None, None, None)
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
@@ -202,6 +202,3 @@ def caption(result: WearDrift) -> str:
         f"(the measured curves are drawn where it has been within {NEAR} cycles); a map "
         f"fitted to its path, free to wear, holds {100 * pace.inside:.0f} % of them within its 95 % bands."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

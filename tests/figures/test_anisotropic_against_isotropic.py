@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import BatchExperiment
-from cyclemap.figures.anisotropic_against_isotropic import FIGURE
+from cyclemap.figures import anisotropic_against_isotropic
 from cyclemap.figures.catalogue import MeasuredFolder
 
 
 @cache
 def small() -> BatchExperiment:
-    return FIGURE.compute(MeasuredFolder(), batches=3, cycles=5)
+    return anisotropic_against_isotropic.compute(MeasuredFolder(), batches=3, cycles=5)
 
 
 @pytest.mark.slow
@@ -30,13 +30,13 @@ def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distanc
 def test_in_the_objects_frame_isotropic_paths_are_one_and_anisotropic_ones_spread() -> None:
     assert small().isotropic.spread < 5e-6
     assert small().anisotropic.spread > 0.01
-    text = FIGURE.caption(small())
+    text = anisotropic_against_isotropic.caption(small())
     assert "all 15 paths are one" in text and "the 15 paths spread by up to" in text
     assert "dynamic simulation at 20 mm/s; 15 cycles: 3 batches of 5" in text
 
 
 def test_the_figure_has_both_frames_of_both_laws_in_one_window_a_row() -> None:
-    figure = FIGURE.draw(small())
+    figure = anisotropic_against_isotropic.draw(small())
     assert [axes.get_title(loc="left") for axes in figure.axes] == [
         "Anisotropic, robot's frame",
         "Isotropic, robot's frame",

@@ -6,13 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cyclemap.figures import dynamic_against_quasi_static
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.dynamic_against_quasi_static import FIGURE, InertiaStudy
+from cyclemap.figures.dynamic_against_quasi_static import InertiaStudy
 
 
 @cache
 def small() -> InertiaStudy:
-    return FIGURE.compute(MeasuredFolder(), orientations=3, speeds=(0.01, 0.02, 0.04), fewer=1)
+    return dynamic_against_quasi_static.compute(MeasuredFolder(), orientations=3, speeds=(0.01, 0.02, 0.04), fewer=1)
 
 
 @pytest.mark.slow
@@ -26,7 +27,7 @@ def test_the_difference_falls_with_the_speed_squared_on_both_laws() -> None:
 
 @pytest.mark.slow
 def test_the_caption_tells_the_largest_differences_of_the_result() -> None:
-    caption = FIGURE.caption(small())
+    caption = dynamic_against_quasi_static.caption(small())
     for comparison in (small().material, small().isotropic):
         drag = math.degrees(np.abs(comparison.difference("drag_turn")).max())
         assert 0.05 < drag < 0.2
@@ -36,7 +37,7 @@ def test_the_caption_tells_the_largest_differences_of_the_result() -> None:
 
 
 def test_the_figure_shows_both_differences_and_their_fall() -> None:
-    figure = FIGURE.draw(small())
+    figure = dynamic_against_quasi_static.draw(small())
     turns, places, fall = figure.axes
     assert turns.get_ylabel() == "dynamic − quasi-static (°)" and places.get_ylabel() == "dynamic − quasi-static (mm)"
     assert (fall.get_xscale(), fall.get_yscale()) == ("log", "log")

@@ -12,16 +12,9 @@ from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.pushes.mit_names import scan_name
 from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import Recording, record_scan, scan_set
+from cyclemap.figures import limit_ellipse_and_patch
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.limit_ellipse_and_patch import (
-    FIGURE,
-    GRID,
-    compute,
-    draw,
-    lean_of,
-    limit_curve,
-    patch_forces,
-)
+from cyclemap.figures.limit_ellipse_and_patch import GRID, compute, draw, lean_of, limit_curve, patch_forces
 from cyclemap.figures.measured_sets import measured_scans
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
@@ -66,7 +59,7 @@ def test_the_lean_of_an_isotropic_law_is_zero_and_the_captions_is_the_sketchs(re
     assert lean_of(EllipseFriction.isotropic(0.3), 1.0) == pytest.approx(0.0, abs=1e-12)
     lean = math.degrees(lean_of(result.sketched, result.sliding))
     assert lean > 20.0
-    assert f"the two differ by {lean:.0f}°" in FIGURE.caption(result)
+    assert f"the two differ by {lean:.0f}°" in limit_ellipse_and_patch.caption(result)
 
 
 def test_the_patch_balances_the_rod_by_a_second_route(result) -> None:
@@ -95,7 +88,7 @@ def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
     assert len(found.scans.direction) == 24
     apart = np.hypot(*(limit_curve(found.fitted) - limit_curve(found.table)).T).max()
     assert apart < 2e-3
-    told, figure = FIGURE.caption(found), draw(found)
+    told, figure = limit_ellipse_and_patch.caption(found), draw(found)
     assert "Dots: 24 friction scans" in told and f"at most {apart:.4f} from Table I" in told
     assert NO_DATA not in told and NO_DATA not in words_of(figure)
     assert "friction scans" in words_of(figure) and "fitted" in words_of(figure)
@@ -106,7 +99,7 @@ def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
 def test_without_scans_the_caption_alone_says_so(result, tmp_path) -> None:
     assert measured_scans(MeasuredFolder(tmp_path), "plywood") is None
     assert result.scans is None and result.fitted is None
-    assert f"{NO_DATA.capitalize()} of friction scans" in FIGURE.caption(result)
+    assert f"{NO_DATA.capitalize()} of friction scans" in limit_ellipse_and_patch.caption(result)
     figure = draw(result)
     assert NO_DATA not in words_of(figure)
     assert_drawn(figure, 3)

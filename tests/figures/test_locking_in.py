@@ -11,7 +11,7 @@ from PIL import Image
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures import locking_in
 from cyclemap.figures.catalogue import Frame, MeasuredFolder
-from cyclemap.figures.locking_in import ANIMATION, animated_gif, compute
+from cyclemap.figures.locking_in import animated_gif, compute
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_the_object_keeps_its_size_and_every_drag_ends_with_the_ring_on_the_targ
 
 @pytest.mark.slow
 def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
-    frames = list(ANIMATION.frames(result))
+    frames = list(locking_in.frames(result))
     assert len(frames) == len(result.moments)
     assert {frame.pixels.shape for frame in frames} == {(410, 720, 3)}
     picture = Image.open(io.BytesIO(animated_gif(frames)))
@@ -65,7 +65,7 @@ def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
 
 
 def test_the_caption_tells_start_end_and_cycles(result) -> None:
-    caption = ANIMATION.caption(result)
+    caption = locking_in.caption(result)
     for part in ("38°", "63°", f"{result.cycles} cycles"):
         assert part in caption
 

@@ -42,7 +42,7 @@ def test_recorded_pushes_are_drawn_where_there_are_any_and_missed_by_name(module
     what, recorded = ("pushes", "θ0")[module in (theta0_histograms, staircases)], recorded_folder(tmp_path_factory)
     for measured, absent in ((NOWHERE, "plywood, abs, delrin and pu"), (recorded, "delrin and pu")):
         result = made(module, measured)
-        figure, told = module.FIGURE.draw(result), module.FIGURE.caption(result)
+        figure, told = module.draw(result), module.caption(result)
         assert told.endswith(f"Recorded {what} on {absent}: {NO_DATA}.")
         assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} <= FIGURES[module][1]
         names = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]

@@ -7,9 +7,10 @@ import pytest
 from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.figures import saddle_node
 from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.loop_family import with_ring_at
-from cyclemap.figures.saddle_node import FIGURE, compute
+from cyclemap.figures.saddle_node import compute
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,7 @@ def test_the_stated_error_holds_on_a_cycle_of_its_own(result) -> None:
 
 @pytest.mark.slow
 def test_it_is_drawn_and_its_caption_tells_the_fold(result) -> None:
-    assert_drawn(FIGURE.draw(result), 6)
-    caption = FIGURE.caption(result)
+    assert_drawn(saddle_node.draw(result), 6)
+    caption = saddle_node.caption(result)
     for part in ("9.793 mm", "13 mm", "162.", "square root"):
         assert part in caption

@@ -5,8 +5,9 @@ import pytest
 from figure_cases import RECORDED, assert_drawn, recorded_plywood, words_of
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.figures import simulated_against_measured
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.simulated_against_measured import FIGURE, compute, draw, simulated_turns
+from cyclemap.figures.simulated_against_measured import compute, draw, simulated_turns
 
 NODES = 24
 
@@ -35,7 +36,7 @@ def test_curves_between_the_nodes_are_within_half_a_degree_of_the_mechanics(resu
 @pytest.mark.slow
 def test_without_data_the_caption_alone_says_so(result) -> None:
     assert result.recorded is None and result.cycles == ()
-    told, figure = FIGURE.caption(result), draw(result)
+    told, figure = simulated_against_measured.caption(result), draw(result)
     assert f"{NO_DATA} of Δθ" in told and f"{NO_DATA} of θ0" in told
     assert NO_DATA not in words_of(figure)
     assert np.isnan(result.recorded_error(0))
@@ -53,7 +54,7 @@ def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_fac
     assert found.recorded is not None and found.recorded.pushes.count == RECORDED
     errors = [float(np.degrees(found.recorded_error(number))) for number in range(3)]
     assert errors[0] < 0.5 < min(errors[1:])
-    told, figure = FIGURE.caption(found), draw(found)
+    told, figure = simulated_against_measured.caption(found), draw(found)
     assert f"dots, {RECORDED} recorded pushes" in told and f"{errors[0]:.1f}° RMS off" in told
     assert "recorded pushes" in words_of(figure)
     assert len(found.cycles) == 3 and np.degrees(found.cycles[0].agreement.bin_rms) < 1.5
@@ -66,7 +67,7 @@ def test_the_measured_cycles_are_carried_by_plywood_measured_and_not_by_table_i(
     assert len(found.cycles) == 3 and found.recorded is None
     errors = [float(np.degrees(one.agreement.bin_rms)) for one in found.cycles]
     assert errors[2] < errors[1] < 6.0 < 12.0 < errors[0]
-    told = FIGURE.caption(found)
+    told = simulated_against_measured.caption(found)
     assert "1996 measured cycles" in told
     for simulated, error in zip(found.simulated, errors, strict=True):
         assert f"{simulated.name} {error:.1f}°" in told

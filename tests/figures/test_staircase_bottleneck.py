@@ -7,8 +7,9 @@ import pytest
 from figure_cases import assert_drawn
 
 from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.figures import staircase_bottleneck
 from cyclemap.figures.catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
-from cyclemap.figures.staircase_bottleneck import FIGURE, bottleneck, compute, measured_bottleneck
+from cyclemap.figures.staircase_bottleneck import bottleneck, compute, measured_bottleneck
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 
 
@@ -45,10 +46,10 @@ def test_the_passage_law_fits_the_predicted_directions_at_the_bottleneck(result)
 @pytest.mark.slow
 def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
     assert result.measured is None
-    figure = FIGURE.draw(result)
+    figure = staircase_bottleneck.draw(result)
     assert not any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
     assert_drawn(figure, 4)
-    assert NO_DATA in FIGURE.caption(result)
+    assert NO_DATA in staircase_bottleneck.caption(result)
 
 
 @pytest.mark.slow
@@ -65,8 +66,8 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
     assert found.run.shape == found.path.shape
     assert found.run[0] == found.path[0]
     both = type(result)(result.computed, found)
-    assert_drawn(FIGURE.draw(both), 8)
-    assert "95°" in FIGURE.caption(both)
+    assert_drawn(staircase_bottleneck.draw(both), 8)
+    assert "95°" in staircase_bottleneck.caption(both)
 
 
 def test_measured_pairs_without_an_order_are_refused(tmp_path) -> None:

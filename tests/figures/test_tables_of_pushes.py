@@ -57,7 +57,7 @@ def test_recorded_pushes_have_a_row_of_their_own(tmp_path_factory, module) -> No
     assert row[2] == str(RECORDED_ABS) and row[3] != ""
     # A law explains pushes without noise to the last digit; their spread stays.
     assert (float(row[4]) > 0.0) == (module is table_deviations)
-    assert module.TABLE.caption(found).endswith(f"Recorded pushes on delrin and pu: {NO_DATA}.")
+    assert module.caption(found).endswith(f"Recorded pushes on delrin and pu: {NO_DATA}.")
 
 
 def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(deviations) -> None:

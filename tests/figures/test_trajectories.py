@@ -41,7 +41,7 @@ def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(obj
 
 
 def test_the_spreads_of_the_caption_are_those_of_the_paths_beside_table_ii(objects) -> None:
-    told = trajectories_object_frame.FIGURE.caption(objects)
+    told = trajectories_object_frame.caption(objects)
     printed = (4.7, 2.8, 8.6), (3.2, 1.6, 5.3), (1.3, 1.0, 3.2), (4.5, 2.9, 11.4)
     for paths, (a, b, c) in zip(objects, printed, strict=True):
         turn, (dx, dy) = np.degrees(np.std(paths.turn)), 1000.0 * np.std(paths.object_frame[:, -1], axis=0)
@@ -55,7 +55,7 @@ def test_on_table_i_a_run_stays_in_one_direction_as_the_caption_says(objects) ->
     assert np.ptp(run) < math.radians(50.0)
     plywood = objects[0]
     assert plywood.orientations[-1] - plywood.orientations[0] > 2 * math.pi
-    assert "with Table I a run stays in one direction" in trajectories_object_frame.FIGURE.caption(objects)
+    assert "with Table I a run stays in one direction" in trajectories_object_frame.caption(objects)
 
 
 def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(robots) -> None:
@@ -63,7 +63,7 @@ def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(robots)
     assert pairs > 300
     assert here == 0
     assert there > 0.2 * pairs
-    told = trajectories_robot_frame.FIGURE.caption(robots)
+    told = trajectories_robot_frame.caption(robots)
     assert f"Of {pairs} pairs of paths from orientations 5° or more apart, {here} cross here" in told
     assert f"{there} in the object's frame" in told
 
@@ -91,7 +91,7 @@ def test_recorded_pushes_take_the_place_of_simulated_ones(module, tmp_path_facto
         (made(module), 4, "plywood, abs, delrin and pu"),
         (found, 3, "abs, delrin and pu"),
     ):
-        told, figure = module.FIGURE.caption(result), module.FIGURE.draw(result)
+        told, figure = module.caption(result), module.draw(result)
         words = words_of(figure).replace("\n", " ")
         assert f"Recorded pushes on {absent}: {NO_DATA}." in told
         assert words.count(", simulated") == simulated and words.count("plywood, recorded") == 4 - simulated
@@ -107,7 +107,7 @@ def test_on_plywood_the_pushes_start_where_the_robots_did(module, measured_data)
     plywood = paths_on_four_surfaces(MeasuredFolder(measured_data), CYCLES, DRAWN)[0]
     assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
     assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
-    told, figure = module.FIGURE.caption(found), module.FIGURE.draw(found)
+    told, figure = module.caption(found), module.draw(found)
     assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
     assert "plywood, from measured θ0" in words_of(figure).replace("\n", " ")
     assert_drawn(figure, 5)
