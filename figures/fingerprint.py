@@ -68,23 +68,23 @@ class FingerprintAgainstFull:
     direction_error: Array
 
 
-def compute(measured: MeasuredFolder) -> FingerprintAgainstFull:
-    """Compute it from the mechanics alone; no measured data are used."""
+def compute(measured: MeasuredFolder, scales: Array = SCALES, rays: Array = RAYS) -> FingerprintAgainstFull:
+    """Compute it from the mechanics alone, at some scales and along some rays; no measured data are used."""
     loop = CollectionLoop.mit(material="plywood")
     surface = Anisotropy.of(loop.material.friction)
     prediction = Prediction(fingerprint(loop), surface)
-    first, second = turn_errors(loop, prediction.fingerprint, surface, SCALES)
+    first, second = turn_errors(loop, prediction.fingerprint, surface, scales)
     neutral = neutral_loop(loop)
     return FingerprintAgainstFull(
         prediction,
         check_prediction(prediction, loop, tolerance=1e-4),
-        lock_in_boundary(prediction.fingerprint.cycle, surface.offset_direction, surface.ellipse_direction, RAYS),
-        full_boundary(loop, prediction, RAYS),
-        read_only(SCALES),
+        lock_in_boundary(prediction.fingerprint.cycle, surface.offset_direction, surface.ellipse_direction, rays),
+        full_boundary(loop, prediction, rays),
+        read_only(scales),
         first,
         second,
         ring_radius(neutral),
-        direction_errors(neutral, surface, SCALES),
+        direction_errors(neutral, surface, scales),
     )
 
 

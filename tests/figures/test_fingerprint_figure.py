@@ -13,10 +13,8 @@ from cyclemap.figures.catalogue import MeasuredFolder
 @pytest.fixture(scope="module")
 def result():
     """The figure's result with fewer scales, and two rays: those of one kind of anisotropy alone."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figure, "SCALES", np.array([1.0, 1 / 8, 1 / 16, 1 / 32]))
-        patch.setattr(figure, "RAYS", np.radians([0.0, 90.0]))
-        return figure.compute(MeasuredFolder(None))
+    scales = np.array([1.0, 1 / 8, 1 / 16, 1 / 32])
+    return figure.compute(MeasuredFolder(None), scales, np.radians([0.0, 90.0]))
 
 
 def test_the_predicted_direction_lies_within_the_error_it_states(result) -> None:

@@ -21,16 +21,16 @@ def test_the_first_is_table_i_on_the_papers_grid(result) -> None:
     """At θ0 = 0 an independent solver has 73.88566 and -64.08039 degrees on the 8 x 8 points."""
     table = result.simulated[0]
     assert table.theta.shape == (NODES,)
-    assert np.degrees(table.push_turn[0]) == pytest.approx(73.88566, abs=1e-3)
-    assert np.degrees(table.cycle_turn[0]) == pytest.approx(73.88566 - 64.08039, abs=1e-3)
+    assert np.degrees(table.push.turn(0.0)) == pytest.approx(73.88566, abs=1e-3)
+    assert np.degrees(table.cycle.turn(0.0)) == pytest.approx(73.88566 - 64.08039, abs=1e-3)
 
 
 def test_curves_between_the_nodes_are_within_half_a_degree_of_the_mechanics(result) -> None:
     theta = np.linspace(0.1, 6.2, 9)
     runs = CollectionLoop.mit("plywood-measured").cycles(theta)
     fresh = simulated_turns("fresh", CollectionLoop.mit("plywood-measured"), 72)
-    assert np.degrees(np.abs(fresh.push_at(theta) - runs.push_turn)).max() < 0.1
-    assert np.degrees(np.abs(fresh.cycle_at(theta) - runs.theta_next + theta)).max() < 0.5
+    assert np.degrees(np.abs(fresh.push.turn(theta) - runs.push_turn)).max() < 0.1
+    assert np.degrees(np.abs(fresh.cycle.turn(theta) - runs.theta_next + theta)).max() < 0.5
 
 
 @pytest.mark.slow
@@ -41,7 +41,7 @@ def test_without_data_the_caption_alone_says_so(result) -> None:
     assert NO_DATA not in words_of(figure)
     assert np.isnan(result.recorded_error(0))
     mean, spread = np.degrees(result.push_statistics(0))
-    assert mean == pytest.approx(np.degrees(result.simulated[0].push_turn.mean()))
+    assert mean == pytest.approx(np.degrees(result.simulated[0].push.turn(result.simulated[0].theta).mean()))
     assert f"simulated over all θ0: Table I, 8 x 8 points {mean:.1f}° ± {spread:.1f}°" in told
     assert "69.1° ± 4.7° (Table II)" in told
     assert_drawn(figure, 2)
