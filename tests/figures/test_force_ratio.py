@@ -17,10 +17,7 @@ from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.force_ratio import FOLDER, compute, draw, predicted_ratio, recorded_ratio
 from cyclemap.mechanics import Slider
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(None))
+NAME = "force-ratio"
 
 
 @pytest.fixture(scope="module")
@@ -98,14 +95,6 @@ def test_a_damaged_file_is_passed_over_and_told(recorded, tmp_path) -> None:
     found = compute(MeasuredFolder(tmp_path))
     assert found.recorded is not None and (found.recorded.files, found.recorded.unreadable) == (2, 1)
     assert "2 recorded pushes (1 more could not be read)" in force_ratio.caption(found)
-
-
-def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result, tmp_path) -> None:
-    assert recorded_ratio(MeasuredFolder(tmp_path)) is None
-    assert f"{NO_DATA.capitalize()} of a push that sticks and slides" in force_ratio.caption(result)
-    figure = draw(result)
-    assert NO_DATA not in words_of(figure)
-    assert_drawn(figure, 1)
 
 
 @pytest.mark.slow

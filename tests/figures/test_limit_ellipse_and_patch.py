@@ -18,13 +18,9 @@ from cyclemap.figures.limit_ellipse_and_patch import GRID, compute, draw, lean_o
 from cyclemap.figures.measured_sets import measured_scans
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
+NAME = "limit-ellipse-and-patch"
 # Every so many of the 144 scans of a set.
 EVERY = 6
-
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(None))
 
 
 @pytest.fixture(scope="module")
@@ -92,16 +88,6 @@ def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
     assert "Dots: 24 friction scans" in told and f"at most {apart:.4f} from Table I" in told
     assert NO_DATA not in told and NO_DATA not in words_of(figure)
     assert "friction scans" in words_of(figure) and "fitted" in words_of(figure)
-    assert_drawn(figure, 3)
-
-
-@pytest.mark.slow
-def test_without_scans_the_caption_alone_says_so(result, tmp_path) -> None:
-    assert measured_scans(MeasuredFolder(tmp_path), "plywood") is None
-    assert result.scans is None and result.fitted is None
-    assert f"{NO_DATA.capitalize()} of friction scans" in limit_ellipse_and_patch.caption(result)
-    figure = draw(result)
-    assert NO_DATA not in words_of(figure)
     assert_drawn(figure, 3)
 
 

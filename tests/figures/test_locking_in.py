@@ -13,10 +13,7 @@ from cyclemap.figures import locking_in
 from cyclemap.figures.catalogue import Frame, MeasuredFolder
 from cyclemap.figures.locking_in import animated_gif, compute
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), math.radians(38.0), math.radians(3.0), pace=((1, 3, 2),), slow=(2, 2))
+NAME = "locking-in"
 
 
 def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_brings_it_nearer(result) -> None:

@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small_paths
+from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures.catalogue import MeasuredFolder
@@ -20,7 +20,7 @@ from cyclemap.figures.pushed_paths import (
 
 @pytest.mark.parametrize("number", [1, 3])
 def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> None:
-    paths = small_paths()[number]
+    paths = small("trajectories-object-frame")[number]
     loop = CollectionLoop.mit(paths.material)
     for push in (0, DRAWN // 2, DRAWN - 1):
         cycle = loop.cycle(float(paths.theta0[push]))
@@ -30,7 +30,7 @@ def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> N
 
 
 def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> None:
-    paths = small_paths()[0]
+    paths = small("trajectories-object-frame")[0]
     loop = CollectionLoop.mit("plywood-measured")
     fresh = loop.cycle(float(paths.theta0[0]))
     assert paths.turn[0] == pytest.approx(fresh.push_turn, abs=1e-4)
@@ -39,7 +39,7 @@ def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> No
 
 
 def test_both_frames_tell_the_same_path_turned_by_theta0() -> None:
-    for paths in small_paths():
+    for paths in small("trajectories-object-frame"):
         c, s = np.cos(paths.theta0)[:, None], np.sin(paths.theta0)[:, None]
         x, y = np.moveaxis(paths.object_frame, -1, 0)
         turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -4,16 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import assert_drawn
 
 from cyclemap.figures import setup_and_cycle
-from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.setup_and_cycle import draw
 
-
-@pytest.fixture(scope="module")
-def result():
-    return setup_and_cycle.compute(MeasuredFolder(None))
+NAME = "setup-and-cycle"
 
 
 def test_the_second_cycle_starts_from_the_pose_in_which_the_first_one_ends(result) -> None:
@@ -48,8 +42,3 @@ def test_the_caption_tells_the_numbers_of_design_and_of_the_cycles(result) -> No
     told = setup_and_cycle.caption(result)
     for words in ("90 mm", "150 mm", "18 mm", "15 mm", "270°", "72.4°", "-49.5°", "292.9°"):
         assert words in told
-
-
-@pytest.mark.slow
-def test_the_picture_has_two_full_panels_with_units_and_clear_words(result) -> None:
-    assert_drawn(draw(result), 2)

@@ -8,14 +8,11 @@ from figure_cases import assert_drawn
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures import staircase_bottleneck
-from cyclemap.figures.catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
-from cyclemap.figures.staircase_bottleneck import bottleneck, compute, measured_bottleneck
+from cyclemap.figures.catalogue import THETA0_FILE
+from cyclemap.figures.staircase_bottleneck import bottleneck, measured_bottleneck
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), cycles=8_000, tolerance=1e-4)
+NAME = "staircase-bottleneck"
 
 
 def test_no_direction_repeats_and_the_slowest_is_where_the_saddle_node_was(result) -> None:
@@ -41,15 +38,6 @@ def test_the_passage_law_fits_the_predicted_directions_at_the_bottleneck(result)
     law = float(one.prediction.mean_turn) / (2 * np.pi) / one.passage.gap
     assert one.density.max() == pytest.approx(law, rel=0.15)
     assert np.trapezoid(one.density, np.linspace(0.0, 2 * np.pi, 721)) == pytest.approx(1.0, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
-    assert result.measured is None
-    figure = staircase_bottleneck.draw(result)
-    assert not any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
-    assert_drawn(figure, 4)
-    assert NO_DATA in staircase_bottleneck.caption(result)
 
 
 @pytest.mark.slow

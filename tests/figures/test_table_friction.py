@@ -4,17 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import NOWHERE, SCANS, recorded_folder
+from figure_cases import SCANS, recorded_folder
 
 from cyclemap.figures import table_friction
 from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.table_friction import HEADER, caption, compute, rows
 from cyclemap.mechanics import material_names
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(NOWHERE)
+NAME = "table-friction"
 
 
 def test_the_plywood_row_is_the_papers(result) -> None:

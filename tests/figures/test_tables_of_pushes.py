@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
+from figure_cases import RECORDED_ABS, SMALL, recorded_folder, small
 
 from cyclemap.figures import table_deviations, table_law_errors
 from cyclemap.figures.catalogue import NO_DATA
@@ -26,12 +26,12 @@ both = pytest.mark.parametrize("module", [table_deviations, table_law_errors])
 
 @pytest.fixture(scope="module")
 def deviations():
-    return table_deviations.compute(NOWHERE, SMALL)
+    return small("table-deviations")
 
 
 @pytest.fixture(scope="module")
 def errors():
-    return table_law_errors.compute(NOWHERE, SMALL)
+    return small("table-law-errors")
 
 
 def test_the_papers_rows_are_those_it_prints(deviations, errors) -> None:

@@ -1,35 +1,28 @@
 """In the object's frame paths spread as the caption says; in the robot's frame those of different θ0 do not cross."""
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
-from figure_cases import CYCLES, DRAWN, NOWHERE, assert_drawn, recorded_plywood, words_of
+from figure_cases import DRAWN, NOWHERE, assert_drawn, recorded_plywood, small, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import trajectories_object_frame, trajectories_robot_frame
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.pushed_paths import paths_on_four_surfaces
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
 from cyclemap.figures.trajectories_robot_frame import CROWDED, crowded_arcs
 from cyclemap.maps import WrappedNormal, sample_staircase
 
-both = pytest.mark.parametrize("module", [trajectories_object_frame, trajectories_robot_frame])
-
-
-@cache
-def made(module, measured=NOWHERE):
-    return module.compute(measured, CYCLES, DRAWN)
+OBJECT, ROBOT = "trajectories-object-frame", "trajectories-robot-frame"
 
 
 @pytest.fixture(scope="module")
 def objects():
-    return made(trajectories_object_frame)
+    return small(OBJECT)
 
 
 @pytest.fixture(scope="module")
 def robots():
-    return made(trajectories_robot_frame)
+    return small(ROBOT)
 
 
 def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(objects) -> None:
@@ -83,31 +76,24 @@ def test_arcs_are_found_across_zero_and_nowhere_where_all_directions_are_alike()
 
 
 @pytest.mark.slow
-@both
-def test_recorded_pushes_take_the_place_of_simulated_ones(module, tmp_path_factory) -> None:
-    """Without data caption and panels say so."""
-    found = made(module, recorded_plywood(tmp_path_factory))
-    for result, simulated, absent in (
-        (made(module), 4, "plywood, abs, delrin and pu"),
-        (found, 3, "abs, delrin and pu"),
-    ):
-        told, figure = module.caption(result), module.draw(result)
-        words = words_of(figure).replace("\n", " ")
-        assert f"Recorded pushes on {absent}: {NO_DATA}." in told
-        assert words.count(", simulated") == simulated and words.count("plywood, recorded") == 4 - simulated
-        assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (simulated == 3)
-        assert_drawn(figure, 5)
-
-
-@pytest.mark.slow
-@both
-def test_on_plywood_the_pushes_start_where_the_robots_did(module, measured_data) -> None:
-    """At measured orientations, from the first to the last, and it is said."""
-    found = made(module, MeasuredFolder(measured_data))
-    plywood = paths_on_four_surfaces(MeasuredFolder(measured_data), CYCLES, DRAWN)[0]
-    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
-    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
+@pytest.mark.parametrize("origin", ["simulated", "recorded", "from measured θ0"])
+@pytest.mark.parametrize("name", [OBJECT, ROBOT])
+def test_captions_and_panels_tell_where_pushes_come_from(name, origin, tmp_path_factory, request) -> None:
+    """Simulated ones, recorded ones in their place, or from measured θ0, where they start as the robot's did."""
+    if origin == "recorded":
+        measured = recorded_plywood(tmp_path_factory)
+    else:
+        measured = NOWHERE if origin == "simulated" else MeasuredFolder(request.getfixturevalue("measured_data"))
+    module, found = load_exhibit(name), small(name, measured)
     told, figure = module.caption(found), module.draw(found)
-    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
-    assert "plywood, from measured θ0" in words_of(figure).replace("\n", " ")
+    titles = {f"plywood, {origin}", "abs, simulated", "delrin, simulated", "pu, simulated"}
+    assert titles <= set(words_of(figure).replace(",\n", ", ").split(" | "))
+    absent = "abs, delrin and pu" if origin == "recorded" else "plywood, abs, delrin and pu"
+    assert f"Recorded pushes on {absent}: {NO_DATA}." in told
+    assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (origin == "recorded")
+    assert (f"from {DRAWN} of the 2000 measured orientations of plywood" in told) == (origin == "from measured θ0")
     assert_drawn(figure, 5)
+    if origin == "from measured θ0":
+        plywood = (found if name == OBJECT else found.surfaces)[0]
+        assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
+        assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))

@@ -9,16 +9,14 @@ from figure_cases import assert_drawn
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.figures import wear_drift
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.wear_drift import AGES, MATERIAL, compute
 from cyclemap.maps import WrappedNormal, fixed_points, transfer_operator
 
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), points=5)
+NAME = "wear-drift"
 
 
 def test_the_least_turn_grows_and_passes_zero_at_the_cycle_told(result) -> None:
@@ -48,13 +46,6 @@ def test_a_turn_takes_fewer_and_fewer_cycles_about_as_many_as_the_robot_took_lat
     worn = worn_loop(CollectionLoop.mit(material=MATERIAL), 2000.0).circle_map(tolerance=1e-4)
     assert result.mean_turn[-1] == pytest.approx(2 * np.pi * transfer_operator(worn, noise).rotation_number, rel=0.05)
     assert 15 < result.expected_turns < 22
-
-
-def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
-    figure = wear_drift.draw(result)
-    assert not any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
-    assert_drawn(figure, 3)
-    assert NO_DATA in wear_drift.caption(result)
 
 
 def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data, result) -> None:
