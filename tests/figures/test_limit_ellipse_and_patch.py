@@ -4,36 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import assert_drawn, words_of
+from figure_cases import SCANS, assert_drawn, recorded_folder, small, words_of
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence import RecordingNoise
-from cyclemap.evidence.data_blocks.force_blocks import ScanForces
-from cyclemap.evidence.pushes.mit_names import scan_name
-from cyclemap.evidence.pushes.push_files import write_push_file
-from cyclemap.evidence.recorded_push import Recording, record_scan, scan_set
 from cyclemap.figures import limit_ellipse_and_patch
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.limit_ellipse_and_patch import GRID, compute, draw, lean_of, limit_curve, patch_forces
-from cyclemap.figures.measured_sets import measured_scans
+from cyclemap.figures.catalogue import NO_DATA
+from cyclemap.figures.limit_ellipse_and_patch import GRID, lean_of, limit_curve, patch_forces
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
 NAME = "limit-ellipse-and-patch"
-# Every so many of the 144 scans of a set.
-EVERY = 6
-
-
-@pytest.fixture(scope="module")
-def scanned(tmp_path_factory) -> MeasuredFolder:
-    """Noisy friction scans of rect1 on Table I's plywood, laid out as the MIT dataset has them."""
-    loop, folder = CollectionLoop.mit("plywood"), tmp_path_factory.mktemp("scans")
-    home = folder / "plywood" / "rect1" / "friction_scan"
-    home.mkdir(parents=True)
-    for number, facts in enumerate(list(scan_set("plywood", "rect1", 0.02))[::EVERY]):
-        recording, random = Recording(noise=RecordingNoise(force=0.02)), np.random.default_rng(number)
-        record = record_scan(loop.material.friction, loop.model.weight, facts.direction, recording, random)
-        write_push_file(home / f"{scan_name(facts)}.h5", record)
-    return MeasuredFolder(folder)
 
 
 def test_the_drawn_traction_dissipates_most_of_all_points_of_the_ellipse(result) -> None:
@@ -78,19 +57,12 @@ def test_isotropic_points_are_pulled_straight_back() -> None:
 
 
 @pytest.mark.slow
-def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
-    found = compute(scanned)
-    assert isinstance(found.scans, ScanForces) and found.fitted is not None
-    assert len(found.scans.direction) == 24
+def test_scans_give_back_the_ellipse_that_made_them(tmp_path_factory) -> None:
+    found = small(NAME, recorded_folder(tmp_path_factory))
+    assert len(found.scans.direction) == SCANS
     apart = np.hypot(*(limit_curve(found.fitted) - limit_curve(found.table)).T).max()
-    assert apart < 2e-3
-    told, figure = limit_ellipse_and_patch.caption(found), draw(found)
-    assert "Dots: 24 friction scans" in told and f"at most {apart:.4f} from Table I" in told
-    assert NO_DATA not in told and NO_DATA not in words_of(figure)
-    assert "friction scans" in words_of(figure) and "fitted" in words_of(figure)
+    assert apart < 1e-5
+    told, figure = limit_ellipse_and_patch.caption(found), limit_ellipse_and_patch.draw(found)
+    assert f"Dots: {SCANS} friction scans" in told and f"at most {apart:.4f} from Table I" in told
+    assert NO_DATA not in told and "friction scans" in words_of(figure) and "fitted" in words_of(figure)
     assert_drawn(figure, 3)
-
-
-def test_scans_of_another_surface_are_not_taken_for_plywoods(scanned) -> None:
-    assert measured_scans(scanned, "abs") is None
-    assert measured_scans(scanned, "plywood") is not None
