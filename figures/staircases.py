@@ -96,7 +96,7 @@ def climb_of(path: Array, level: float) -> Climb:
 
 def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials(result, _draw_material)
+    return draw_materials([one.run.surface for one in result], result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:

@@ -78,7 +78,7 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
 
 def draw(result: tuple[MaterialDirections, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result, _draw_material)
+    return draw_materials([one.run.surface for one in result], result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
-from cyclemap.views.style import picture_style, say
+from cyclemap.views.style import say
 
 from .catalogue import MeasuredFolder
-from .material_panels import as_simulated, material_grid
+from .material_panels import as_simulated, draw_materials
 from .measured_sets import measured_run, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
 
@@ -74,12 +74,8 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DE
 
 def draw(result: TurnHistograms) -> Figure:
     """Draw the panels."""
-    with picture_style():
-        names = [f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels]
-        figure, places = material_grid(names, 2 if len(names) <= 4 else 3)
-        for axes, panel in zip(places.values(), result.panels, strict=True):
-            _draw_panel(axes, panel)
-    return figure
+    names = [f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels]
+    return draw_materials(names, result.panels, _draw_panel)
 
 
 def _draw_panel(axes: Axes, panel: TurnPanel) -> None:

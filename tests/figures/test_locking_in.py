@@ -6,12 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from figure_cases import NOWHERE
 from PIL import Image
+from refusals import refused
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.figures import locking_in
-from cyclemap.figures.catalogue import Frame, MeasuredFolder
-from cyclemap.figures.locking_in import animated_gif, compute
+from cyclemap.figures.catalogue import Frame
+from cyclemap.figures.locking_in import animated_gif
 
 NAME = "locking-in"
 
@@ -67,39 +69,24 @@ def test_the_caption_tells_start_end_and_cycles(result) -> None:
         assert part in caption
 
 
-def test_a_run_that_does_not_lock_in_is_refused(monkeypatch) -> None:
-    monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
-    with pytest.raises(ConvergenceError, match="do not lock in"):
-        compute(MeasuredFolder(), math.radians(120.0))
-
-
 def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:
     pixels = np.full((height, 12, 3), 255, dtype=np.uint8)
     pixels[:, shade % 12] = (20, 60, 110)
     return Frame(pixels, seconds)
 
 
-def test_frames_come_back_in_order_with_their_pixels_and_durations() -> None:
-    given = [_frame(place, 0.04 + 0.01 * place) for place in range(4)]
+def test_frames_come_back_in_order_with_their_pixels_and_their_durations_in_hundredths_two_at_least() -> None:
+    given = [_frame(place, seconds) for place, seconds in enumerate((0.0, 0.034, 0.05, 0.07))]
     picture = Image.open(io.BytesIO(animated_gif(given)))
     assert (picture.n_frames, picture.size, picture.info["loop"]) == (4, (12, 8), 0)
-    for number, frame in enumerate(given):
+    for number, (frame, lasts) in enumerate(zip(given, (20, 30, 50, 70), strict=True)):
         picture.seek(number)
-        assert picture.info["duration"] == round(1000 * frame.seconds)
+        assert picture.info["duration"] == lasts
         assert np.abs(np.asarray(picture.convert("RGB"), dtype=int) - frame.pixels).max() <= 6
 
 
-def test_durations_are_hundredths_and_two_of_them_at_least() -> None:
-    picture = Image.open(io.BytesIO(animated_gif([_frame(0, 0.0), _frame(1, 0.034)])))
-    durations = []
-    for number in range(2):
-        picture.seek(number)
-        durations.append(picture.info["duration"])
-    assert durations == [20, 30]
-
-
-def test_no_frames_and_frames_of_two_sizes_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="at least one frame"):
-        animated_gif([])
-    with pytest.raises(InvalidInput, match="one size"):
-        animated_gif([_frame(0), _frame(0, height=9)])
+def test_no_frames_frames_of_two_sizes_and_a_run_that_does_not_lock_in_are_refused(monkeypatch) -> None:
+    refused(animated_gif, [], told="at least one frame")
+    refused(animated_gif, [_frame(0), _frame(0, height=9)], told="one size")
+    monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
+    refused(locking_in.compute, NOWHERE, math.radians(120.0), told="do not lock in", kind=ConvergenceError)
