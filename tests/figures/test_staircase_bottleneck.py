@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 from figure_cases import assert_drawn
+from refusals import refused
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.figures import staircase_bottleneck
 from cyclemap.figures.catalogue import THETA0_FILE
 from cyclemap.figures.staircase_bottleneck import bottleneck, measured_bottleneck
@@ -60,11 +61,9 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
 
 def test_measured_pairs_without_an_order_are_refused(tmp_path) -> None:
     (tmp_path / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
-    with pytest.raises(InvalidInput, match="no known order"):
-        measured_bottleneck(tmp_path / "pairs.csv")
+    refused(measured_bottleneck, tmp_path / "pairs.csv", told="no known order")
 
 
 def test_a_map_without_bottleneck_is_refused() -> None:
-    path = sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta
-    with pytest.raises(ConvergenceError, match="no bottleneck"):
-        bottleneck("a rotation", CircleMap.rigid(0.1), 0.1, path)
+    turn, path = CircleMap.rigid(0.1), sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta
+    refused(bottleneck, "a rotation", turn, 0.1, path, told="no bottleneck", kind=ConvergenceError)
