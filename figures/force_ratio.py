@@ -76,10 +76,10 @@ class ForceRatio:
     recorded: RecordedRatio | None
 
 
-def compute(measured: MeasuredFolder, material: str = "plywood", theta: float = 0.0) -> ForceRatio:
-    """Run the MIT push on `material` from `theta` (rad), and read the recorded push that sticks and slides most."""
-    loop = CollectionLoop.mit(material)
-    push = loop.model.push(loop.start_pose(theta), loop.push, loop.push.distance / _STEPS)
+def compute(measured: MeasuredFolder) -> ForceRatio:
+    """Run the MIT push on plywood from θ0 = 0, and read the recorded push that sticks and slides most."""
+    loop = CollectionLoop.mit("plywood")
+    push = loop.model.push(loop.start_pose(0.0), loop.push, loop.push.distance / _STEPS)
     predicted = predicted_ratio(push.trajectory, loop.pusher.radius, loop.pusher.friction)
     return ForceRatio(predicted, recorded_ratio(measured))
 

@@ -62,10 +62,10 @@ class LimitEllipseAndPatch:
     patch: PatchForces
 
 
-def compute(measured: MeasuredFolder, surface: str = "plywood") -> LimitEllipseAndPatch:
-    """Read and fit the friction scans of rect1 on `surface` where there are any, and run one push on the 8 x 8 grid."""
+def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
+    """Read and fit the friction scans of rect1 on plywood where there are any, and run one push on the 8 x 8 grid."""
     loop = CollectionLoop.mit("plywood")
-    found, scans, fitted = measured_scans(measured, surface), None, None
+    found, scans, fitted = measured_scans(measured, "plywood"), None, None
     if found is not None and len(found) >= _FEWEST_SCANS:
         direction, along, across = (found[name].to_numpy() for name in SCAN_FIELDS)
         scans = ScanForces(direction, along, across, loop.model.weight)
@@ -218,14 +218,14 @@ class PatchForces:
     outline: Array
 
 
-def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
-    """Return the forces on the 8 x 8 grid of `loop` during its push from `theta` (rad).
+def patch_forces(loop: CollectionLoop) -> PatchForces:
+    """Return the forces on the 8 x 8 grid of `loop` during its push from θ0 = 0.
 
     The twist is the slope of the computed course, by central differences; that it balances the rod is not used.
     """
     footprint = grid_footprint(loop.slider.outline, GRID)
     gridded = replace(loop, footprint=footprint)
-    course = gridded.model.push(gridded.start_pose(theta), loop.push, loop.push.distance / _STEPS).trajectory
+    course = gridded.model.push(gridded.start_pose(0.0), loop.push, loop.push.distance / _STEPS).trajectory
     at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
     pose = course.pose[at]
     slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])

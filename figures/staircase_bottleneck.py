@@ -28,10 +28,7 @@ from cyclemap.maps import (
     CircleMap,
     SlowPassage,
     StaircaseSummary,
-    StepComparison,
-    Steps,
     WrappedNormal,
-    compare_steps,
     find_steps,
     predict_staircase,
     sample_staircase,
@@ -66,8 +63,9 @@ class Bottleneck:
     """A map with a bottleneck, and a path through it.
 
     passage : the slowest. prediction : the staircase of map and noise. density : (721,) per rad on [0, 2π] by the
-    transfer operator. path : (m,) rad, unwrapped. steps : its visits of the predicted slow zone; comparison : of these
-    with the prediction. histogram : of the path's directions. bins : medians of measured turns, None of a sampled path.
+    transfer operator. path : (m,) rad, unwrapped. lengths : cycles of its visits of the predicted slow zone that were
+    seen whole; visit : mean and standard deviation of one as predicted, nan where they could not be computed.
+    histogram : of the path's directions. bins : medians of measured turns, None of a sampled path.
     run : (m,) rad, of a measured path: one noisy path from the same start of the map fitted with wear; else None.
     """
 
@@ -78,23 +76,11 @@ class Bottleneck:
     prediction: StaircaseSummary
     density: Array
     path: Array
-    steps: Steps
-    comparison: StepComparison
+    lengths: Array
+    visit: tuple[float, float]
     histogram: AngleHistogram
     bins: TurnBins | None = None
     run: Array | None = None
-
-    @property
-    def lengths(self) -> Array:
-        """Cycles of the visits that were seen whole."""
-        return np.asarray(self.steps.lengths[~self.steps.censored], dtype=float)
-
-    @property
-    def visit(self) -> tuple[float, float]:
-        """Mean and standard deviation (cycles) of a visit as predicted; nan where they could not be computed."""
-        zone = self.prediction.zones[0]
-        mean, spread = zone.visit_cycles, zone.visit_spread
-        return (math.nan if mean is None else mean), (math.nan if spread is None else spread)
 
 
 @dataclass(frozen=True)
@@ -144,10 +130,12 @@ def bottleneck(
     if not passages or not prediction.zones:
         raise ConvergenceError(f"{title}: the map has no bottleneck; move the ring nearer to the saddle-node")
     slowest = max(passages, key=lambda passage: passage.passage_cycles)
-    steps = find_steps(path, zones=prediction.zones)
+    steps, zone = find_steps(path, zones=prediction.zones), prediction.zones[0]
+    lengths = steps.lengths[~steps.censored].astype(float)
+    mean, spread = (math.nan if value is None else value for value in (zone.visit_cycles, zone.visit_spread))
     return Bottleneck(
-        title, circle_map, sigma, slowest, prediction, operator.density(_GRID), path, steps,
-        compare_steps(steps, prediction), angle_histogram(path), bins,
+        title, circle_map, sigma, slowest, prediction, operator.density(_GRID), path, lengths, (mean, spread),
+        angle_histogram(path), bins,
     )  # fmt: skip
 
 
