@@ -49,13 +49,11 @@ _STEPS = 1000
 
 @dataclass(frozen=True, eq=False)
 class LimitEllipseAndPatch:
-    """What the three panels show: a sketched law, the law of plywood with scans and their fit, the patch.
+    """What the panels show beside a sketched law: the law of plywood with scans and their fit, and the patch.
 
     table : Table I. scans, fitted : None where no scans were found.
     """
 
-    sketched: EllipseFriction
-    sliding: float
     table: EllipseFriction
     scans: ScanForces | None
     fitted: EllipseFriction | None
@@ -70,7 +68,7 @@ def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
         direction, along, across = (found[name].to_numpy() for name in SCAN_FIELDS)
         scans = ScanForces(direction, along, across, loop.model.weight)
         fitted = friction_ellipse_from_scans(found, scans.weight).friction()
-    return LimitEllipseAndPatch(SKETCHED, SLIDING, loop.material.friction, scans, fitted, patch_forces(loop))
+    return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
 
 
 def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
@@ -84,14 +82,14 @@ def draw(result: LimitEllipseAndPatch) -> Figure:
     with picture_style():
         figure = new_figure(13.0, 4.7)
         grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.86, wspace=0.26)
-        _draw_law(figure.add_subplot(grid[0]), result)
+        _draw_law(figure.add_subplot(grid[0]))
         _draw_surface(figure.add_subplot(grid[1]), result)
         _draw_patch(figure.add_subplot(grid[2]), result.patch)
     return figure
 
 
-def _draw_law(axes: Axes, result: LimitEllipseAndPatch) -> None:
-    law, velocity = result.sketched, np.array([math.cos(result.sliding), math.sin(result.sliding)])
+def _draw_law(axes: Axes) -> None:
+    law, velocity = SKETCHED, np.array([math.cos(SLIDING), math.sin(SLIDING)])
     curve, traction = limit_curve(law), law.traction(velocity)
     centre = _turned(np.array([law.m0, law.n0]), law.phi)
     axes.fill(*curve.T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
@@ -169,7 +167,7 @@ def _turned(vector: Array, angle: float) -> Array:
 
 def caption(result: LimitEllipseAndPatch) -> str:
     """What the law says, how far scans and their fit lie from Table I, and what the patch adds up to."""
-    patch, lean = result.patch, math.degrees(lean_of(result.sketched, result.sliding))
+    patch, lean = result.patch, math.degrees(lean_of(SKETCHED, SLIDING))
     law, fitted = result.table, result.fitted
     surface = f"{NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
     if result.scans is not None and fitted is not None:

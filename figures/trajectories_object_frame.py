@@ -58,12 +58,11 @@ def caption(result: list[PushedPaths]) -> str:
         spreads.append(f"{paths.surface} {told}")
     # A simulated push has no scatter about the law that Table III tells of.
     scatter = "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about it too (Table III). "
-    if all(paths.origin == RECORDED for paths in result):
-        scatter = ""
     return (
         "Paths of the object's centre in equal pushes, in the object's frame before each push (it starts at the "
         "origin and is pushed along -y); a darker shade is a larger turn. In this frame isotropic friction would give "
         "a single path. σ is the standard deviation of (Δθ, Δx, Δy) over the pushes drawn, in brackets the "
-        f"published one (Table II): {'; '.join(spreads)}. {scatter}"
+        f"published one (Table II): {'; '.join(spreads)}. "
+        f"{'' if all(paths.origin == RECORDED for paths in result) else scatter}"
         f"{material_sentence(result)}"
     )

@@ -9,21 +9,21 @@ from figure_cases import SCANS, assert_drawn, recorded_folder, small, words_of
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import limit_ellipse_and_patch
 from cyclemap.figures.catalogue import NO_DATA
-from cyclemap.figures.limit_ellipse_and_patch import GRID, lean_of, limit_curve, patch_forces
+from cyclemap.figures.limit_ellipse_and_patch import GRID, SKETCHED, SLIDING, lean_of, limit_curve, patch_forces
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
 NAME = "limit-ellipse-and-patch"
 
 
-def test_the_drawn_traction_dissipates_most_of_all_points_of_the_ellipse(result) -> None:
-    law, velocity = result.sketched, np.array([math.cos(result.sliding), math.sin(result.sliding)])
+def test_the_drawn_traction_dissipates_most_of_all_points_of_the_ellipse() -> None:
+    law, velocity = SKETCHED, np.array([math.cos(SLIDING), math.sin(SLIDING)])
     power = limit_curve(law, 2001) @ velocity
     assert law.traction(velocity) @ velocity == pytest.approx(power.max(), rel=1e-5)
     assert np.all(power <= law.traction(velocity) @ velocity + 1e-12)
 
 
 def test_the_limit_curve_is_the_ellipse_of_equation_1(result) -> None:
-    for law in (result.sketched, result.table):
+    for law in (SKETCHED, result.table):
         x, y = limit_curve(law).T
         c, s = math.cos(law.phi), math.sin(law.phi)
         m, n = c * x + s * y, -s * x + c * y
@@ -32,7 +32,7 @@ def test_the_limit_curve_is_the_ellipse_of_equation_1(result) -> None:
 
 def test_the_lean_of_an_isotropic_law_is_zero_and_the_captions_is_the_sketchs(result) -> None:
     assert lean_of(EllipseFriction.isotropic(0.3), 1.0) == pytest.approx(0.0, abs=1e-12)
-    lean = math.degrees(lean_of(result.sketched, result.sliding))
+    lean = math.degrees(lean_of(SKETCHED, SLIDING))
     assert lean > 20.0
     assert f"the two differ by {lean:.0f}°" in limit_ellipse_and_patch.caption(result)
 

@@ -50,9 +50,7 @@ def test_a_turn_takes_fewer_and_fewer_cycles_about_as_many_as_the_robot_took_lat
 
 def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data, result) -> None:
     found = compute(MeasuredFolder(measured_data), points=3, runs=8, harmonics=10)
-    assert found.fitted is not None
-    assert found.fitted.forecast is not None
-    pace = found.fitted.forecast.pace
+    pace = found.pace
     assert pace.measured[[0, -1]] == pytest.approx((257, 45), abs=2)
     assert pace.inside > 0.6
     assert found.measured_least is not None and found.least == pytest.approx(result.least)
