@@ -17,7 +17,7 @@ from cyclemap.views.experiment_page import (
 )
 from cyclemap.views.style import new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 
 
 def compute(measured: MeasuredFolder, batches: int = BATCHES, cycles: int = CYCLES) -> BatchExperiment:
@@ -52,6 +52,3 @@ def caption(experiment: BatchExperiment) -> str:
         f"(right; {method_line(experiment)}); thick: the last push of each batch. {experiment_headline(experiment)} "
         f"{spread_sentence(experiment)} {isotropic_sentence(experiment)}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

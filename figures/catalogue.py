@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from cyclemap.errors import InvalidInput, unknown_name
 
 if TYPE_CHECKING:
     import numpy as np
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
 
@@ -41,28 +40,19 @@ class MeasuredFolder:
         beside = Path(__file__).parents[3] / "shared" / "data"
         return cls(beside if beside.is_dir() else None)
 
-    def file(self, name: str) -> Path | None:
-        """Return the path of the file `name` in the folder; None where it is not there."""
-        if self.path is None or not (self.path / name).is_file():
-            return None
-        return self.path / name
-
-    def folder(self, name: str) -> Path | None:
-        """Return the path of the sub-folder `name`; None where it is not there."""
-        if self.path is None or not (self.path / name).is_dir():
-            return None
-        return self.path / name
+    def find(self, name: str) -> Path | None:
+        """Return the path of the file or sub-folder `name` in the folder; None where it is not there."""
+        place = None if self.path is None else self.path / name
+        return place if place is not None and place.exists() else None
 
 
-# What a module of this room calls what it has to show.
-EXPORTS = ("FIGURE", "TABLE", "ANIMATION")
 # The source of what the paper does not have.
 BEYOND = "not in the paper"
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One exhibit as the gallery lists it.
+    """One exhibit as the gallery lists it; its module in this room has its name, with underscores.
 
     name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few words.
     """
@@ -71,38 +61,6 @@ class Entry:
     source: str
     title: str
 
-    @property
-    def module(self) -> str:
-        """The module's name in this room.
-
-        >>> Entry("saddle-node", "", "").module
-        'saddle_node'
-        """
-        return self.name.replace("-", "_")
-
-
-@dataclass(frozen=True)
-class PaperFigure:
-    """One figure.
-
-    compute : measured data -> result, the only slow part. draw : result -> figure. caption : result -> sentences that
-    hold for this result, with its numbers.
-    """
-
-    compute: Callable[[MeasuredFolder], Any]
-    draw: Callable[[Any], Figure]
-    caption: Callable[[Any], str]
-
-
-@dataclass(frozen=True)
-class PaperTable:
-    """One table: as a figure, but set in rows of words under a header."""
-
-    compute: Callable[[MeasuredFolder], Any]
-    header: tuple[str, ...]
-    rows: Callable[[Any], list[tuple[str, ...]]]
-    caption: Callable[[Any], str]
-
 
 @dataclass(frozen=True, eq=False)
 class Frame:
@@ -110,18 +68,6 @@ class Frame:
 
     pixels: NDArray[np.uint8]
     seconds: float
-
-
-@dataclass(frozen=True)
-class PaperAnimation:
-    """One animation: as a figure, but drawn as frames, all of one size."""
-
-    compute: Callable[[MeasuredFolder], Any]
-    frames: Callable[[Any], Iterator[Frame]]
-    caption: Callable[[Any], str]
-
-
-Exhibit = PaperFigure | PaperTable | PaperAnimation
 
 
 CATALOGUE = (
@@ -173,10 +119,13 @@ def entries(names: tuple[str, ...] = ()) -> tuple[Entry, ...]:
     return tuple(entry for entry in CATALOGUE if everything or entry.name in names)
 
 
-def load_exhibit(name: str) -> Exhibit:
-    """Return the figure, table or animation of this name; InvalidInput where it is unknown."""
+def load_exhibit(name: str) -> ModuleType:
+    """Return the module of the exhibit of this name; InvalidInput where it is unknown.
+
+    Each has `compute`: measured data -> result, the only slow part; `caption`: result -> sentences that hold for this
+    result, with its numbers; and either `draw`: result -> figure, or `HEADER` and `rows`: result -> rows of words under
+    it, or `frames`: result -> the `Frame`s of an animation, all of one size.
+    """
     if name == "all" or not (found := entries((name,))):
         raise unknown_name("figure", name, {entry.name for entry in CATALOGUE})
-    module = import_module(f"cyclemap.figures.{found[0].module}")
-    (exhibit,) = (getattr(module, export) for export in EXPORTS if hasattr(module, export))
-    return exhibit  # type: ignore[no-any-return]
+    return import_module(f"cyclemap.figures.{found[0].name.replace('-', '_')}")

@@ -13,7 +13,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 
 ORIENTATIONS = 12
 # Of the rod, m/s.
@@ -104,6 +104,3 @@ def _at_most(comparison: DynamicsComparison) -> str:
     )
     place = 1e3 * largest(comparison.difference("push_displacement"))
     return f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle and {place:.2f} mm"
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -33,7 +33,8 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
+from .loop_family import ring_radius, with_anisotropy_times, with_ring_at
 
 INCHES = (13.333, 4.6)
 SCALES = 2.0 ** -np.arange(0.0, 6.0)
@@ -41,8 +42,8 @@ SCALES = 2.0 ** -np.arange(0.0, 6.0)
 ASYMPTOTIC = 0.125
 # Rays of the (offset, ellipticity) plane along which the full map's lock-in is sought.
 RAYS = np.radians([0.0, 15.0, 35.0, 60.0, 90.0])
-# Between these factors of the ring's lever an isotropic cycle comes to turn the object by nothing.
-LEVERS = (1.0, 2.0)
+# Up to this factor of the ring's lever an isotropic cycle comes to turn the object by nothing.
+MOST_LEVER = 2.0
 _ORIENTATIONS = np.radians(np.arange(0.0, 360.0, 15.0))
 
 
@@ -67,23 +68,23 @@ class FingerprintAgainstFull:
     direction_error: Array
 
 
-def compute(measured: MeasuredFolder) -> FingerprintAgainstFull:
-    """Compute it from the mechanics alone; no measured data are used."""
+def compute(measured: MeasuredFolder, scales: Array = SCALES, rays: Array = RAYS) -> FingerprintAgainstFull:
+    """Compute it from the mechanics alone, at some scales and along some rays; no measured data are used."""
     loop = CollectionLoop.mit(material="plywood")
     surface = Anisotropy.of(loop.material.friction)
     prediction = Prediction(fingerprint(loop), surface)
-    first, second = turn_errors(loop, prediction.fingerprint, surface, SCALES)
+    first, second = turn_errors(loop, prediction.fingerprint, surface, scales)
     neutral = neutral_loop(loop)
     return FingerprintAgainstFull(
         prediction,
         check_prediction(prediction, loop, tolerance=1e-4),
-        lock_in_boundary(prediction.fingerprint.cycle, surface.offset_direction, surface.ellipse_direction, RAYS),
-        full_boundary(loop, prediction, RAYS),
-        read_only(SCALES),
+        lock_in_boundary(prediction.fingerprint.cycle, surface.offset_direction, surface.ellipse_direction, rays),
+        full_boundary(loop, prediction, rays),
+        read_only(scales),
         first,
         second,
-        math.hypot(*neutral.slider.hitch),
-        direction_errors(neutral, surface, SCALES),
+        ring_radius(neutral),
+        direction_errors(neutral, surface, scales),
     )
 
 
@@ -103,14 +104,9 @@ def neutral_loop(loop: CollectionLoop) -> CollectionLoop:
     """Return the loop with its ring moved out until an isotropic cycle turns the object by nothing."""
     from scipy.optimize import brentq
 
-    def with_lever(factor: float) -> CollectionLoop:
-        x, y = loop.slider.hitch
-        return replace(loop, slider=replace(loop.slider, hitch=(factor * x, factor * y)))
-
-    def turn(factor: float) -> float:
-        return with_anisotropy(with_lever(factor), Anisotropy(0.0, 0.0, 0.0, 0.0)).cycle(0.0).theta_next
-
-    return with_lever(float(brentq(turn, *LEVERS, xtol=1e-12)))
+    isotropic, ring = with_anisotropy_times(loop, 0.0), ring_radius(loop)
+    radius = brentq(lambda r: with_ring_at(isotropic, r).cycle(0.0).theta_next, ring, MOST_LEVER * ring, xtol=1e-13)
+    return with_ring_at(loop, float(radius))
 
 
 def direction_errors(loop: CollectionLoop, surface: Anisotropy, scales: Array) -> Array:
@@ -219,6 +215,3 @@ def caption(result: FingerprintAgainstFull) -> str:
         f"stable direction with its power {direction:.2f}, the latter with the ring {1e3 * result.ring:.1f} mm from "
         "the centre, where an isotropic cycle turns nothing."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

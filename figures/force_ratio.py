@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,12 +16,11 @@ from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import SLIDING, STICKING, SlidingForces, sliding_forces
 from cyclemap.evidence.pushes.contact_forces import contact_samples
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
-from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
-from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
@@ -78,10 +76,10 @@ class ForceRatio:
     recorded: RecordedRatio | None
 
 
-def compute(measured: MeasuredFolder, material: str = "plywood", theta: float = 0.0) -> ForceRatio:
-    """Run the MIT push on `material` from `theta` (rad), and read the recorded push that sticks and slides most."""
-    loop = CollectionLoop.mit(material)
-    push = loop.model.push(loop.start_pose(theta), loop.push, loop.push.distance / _STEPS)
+def compute(measured: MeasuredFolder) -> ForceRatio:
+    """Run the MIT push on plywood from θ0 = 0, and read the recorded push that sticks and slides most."""
+    loop = CollectionLoop.mit("plywood")
+    push = loop.model.push(loop.start_pose(0.0), loop.push, loop.push.distance / _STEPS)
     predicted = predicted_ratio(push.trajectory, loop.pusher.radius, loop.pusher.friction)
     return ForceRatio(predicted, recorded_ratio(measured))
 
@@ -97,19 +95,20 @@ def predicted_ratio(course: Trajectory, radius: float, friction: float) -> Predi
 
 def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     """Return the ratio of that recorded push of an MIT shape which has most samples of sticking and of sliding both."""
-    home = measured.folder(FOLDER)
-    files = [] if home is None else [path for path in push_file_names(home) if _facts(path).object in MIT_SHAPE_NAMES]
-    records, unreadable = readable_pushes(files[:MOST_FILES])
-    best: tuple[int, Path, PushRecord, SlidingForces] | None = None
+    home = measured.find(FOLDER)
+    named = [] if home is None else [(path, push_facts(path)) for path in push_file_names(home)]
+    shapes = {path: facts for path, facts in named if facts is not None and facts.object in MIT_SHAPE_NAMES}
+    records, unreadable = readable_pushes(list(shapes)[:MOST_FILES])
+    most, best = 0, None
     for path, record in records:
-        forces = sliding_forces([(record, _outline(path))])
-        both = min(forces.samples, forces.sticking)
-        if both > (best[0] if best else 0):
-            best = both, path, record, forces
+        outline = Slider.mit(str(shapes[path].object)).outline_points(360)
+        forces = sliding_forces([(record, outline)])
+        if min(forces.samples, forces.sticking) > most:
+            most, best = min(forces.samples, forces.sticking), (shapes[path], record, outline, forces)
     if best is None:
         return None
-    _, path, record, forces = best
-    samples, facts = contact_samples(record, _outline(path)), _facts(path)
+    facts, record, outline, forces = best
+    samples = contact_samples(record, outline)
     kept = samples.touching & np.isfinite(samples.slip)
     slip = np.abs(samples.slip[kept])
     # The rod's way at the times of the wrenches that both other clocks cover.
@@ -122,16 +121,6 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
     motion = slip > SLIDING, slip < STICKING
     return RecordedRatio(name, read_only(travel), read_only(ratio), *motion, forces, len(records), unreadable)
-
-
-def _facts(path: Path) -> PushFacts:
-    facts = push_facts(path)
-    assert facts is not None
-    return facts
-
-
-def _outline(path: Path) -> Array:
-    return Slider.mit(str(_facts(path).object)).outline_points(360)
 
 
 def draw(result: ForceRatio) -> Figure:
@@ -198,6 +187,3 @@ def caption(result: ForceRatio) -> str:
         f"ratio is {recorded.friction:.3f} (median of {len(recorded.forces.ratio)} pieces; the paper's push has "
         f"0.15); while it sticks {100 * over:.0f} % of the samples lie below that."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

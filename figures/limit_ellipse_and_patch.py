@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +15,6 @@ from matplotlib.patches import Polygon
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
-from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
 from cyclemap.views.style import (
     FORCE,
@@ -31,10 +30,8 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, MeasuredFolder, PaperFigure
-
-if TYPE_CHECKING:
-    import pandas
+from .catalogue import NO_DATA, MeasuredFolder
+from .measured_sets import measured_scans
 
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
@@ -52,40 +49,24 @@ _STEPS = 1000
 
 @dataclass(frozen=True, eq=False)
 class LimitEllipseAndPatch:
-    """What the three panels show: a sketched law, the law of plywood with scans and their fit, the patch.
+    """What the panels show beside a sketched law: the law of plywood with scans and their fit, and the patch.
 
     table : Table I. scans (n, 2) tractions, fitted : None where no scans were found.
     """
 
-    sketched: EllipseFriction
-    sliding: float
     table: EllipseFriction
     scans: Array | None
     fitted: EllipseFriction | None
     patch: PatchForces
 
 
-def compute(measured: MeasuredFolder, surface: str = "plywood") -> LimitEllipseAndPatch:
-    """Read and fit the friction scans of rect1 on `surface` where there are any, and run one push on the 8 x 8 grid."""
+def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
+    """Read and fit the friction scans of rect1 on plywood where there are any, and run one push on the 8 x 8 grid."""
     loop = CollectionLoop.mit("plywood")
-    table, weight, scans, fitted = measured_scans(measured, surface), loop.model.weight, None, None
-    if table is not None:
-        scans, fitted = scan_traction(table, weight), friction_ellipse_from_scans(table, weight).friction()
-    return LimitEllipseAndPatch(SKETCHED, SLIDING, loop.material.friction, scans, fitted, patch_forces(loop))
-
-
-def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame | None:
-    """Return the straight friction scans of rect1 on `surface`; None where fewer than three are found.
-
-    Looked for below SURFACE/rect1, as the MIT dataset lays them out; files that cannot be read are passed over.
-    """
-    import pandas
-
-    home = measured.folder(f"{surface}/rect1")
-    folders = [] if home is None else sorted({path.parent for path in home.rglob("record_*")})
-    tables = [load_pushes(folder).scans for folder in folders]
-    parts = [scans[(scans["surface"] == surface) & (scans["object"] == "rect1")].dropna() for scans in tables]
-    return pandas.concat(parts) if sum(map(len, parts)) >= _FEWEST_SCANS else None
+    found, weight, scans, fitted = measured_scans(measured, "plywood"), loop.model.weight, None, None
+    if found is not None and len(found) >= _FEWEST_SCANS:
+        scans, fitted = scan_traction(found, weight), friction_ellipse_from_scans(found, weight).friction()
+    return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
 
 
 def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
@@ -99,14 +80,14 @@ def draw(result: LimitEllipseAndPatch) -> Figure:
     with picture_style():
         figure = new_figure(13.0, 4.7)
         grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.86, wspace=0.26)
-        _draw_law(figure.add_subplot(grid[0]), result)
+        _draw_law(figure.add_subplot(grid[0]))
         _draw_surface(figure.add_subplot(grid[1]), result)
         _draw_patch(figure.add_subplot(grid[2]), result.patch)
     return figure
 
 
-def _draw_law(axes: Axes, result: LimitEllipseAndPatch) -> None:
-    law, velocity = result.sketched, np.array([math.cos(result.sliding), math.sin(result.sliding)])
+def _draw_law(axes: Axes) -> None:
+    law, velocity = SKETCHED, np.array([math.cos(SLIDING), math.sin(SLIDING)])
     curve, traction = limit_curve(law), law.traction(velocity)
     centre = _turned(np.array([law.m0, law.n0]), law.phi)
     axes.fill(*curve.T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
@@ -184,7 +165,7 @@ def _turned(vector: Array, angle: float) -> Array:
 
 def caption(result: LimitEllipseAndPatch) -> str:
     """What the law says, how far scans and their fit lie from Table I, and what the patch adds up to."""
-    patch, lean = result.patch, math.degrees(lean_of(result.sketched, result.sliding))
+    patch, lean = result.patch, math.degrees(lean_of(SKETCHED, SLIDING))
     law, fitted = result.table, result.fitted
     surface = f"{NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
     if result.scans is not None and fitted is not None:
@@ -233,14 +214,14 @@ class PatchForces:
     outline: Array
 
 
-def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
-    """Return the forces on the 8 x 8 grid of `loop` during its push from `theta` (rad).
+def patch_forces(loop: CollectionLoop) -> PatchForces:
+    """Return the forces on the 8 x 8 grid of `loop` during its push from θ0 = 0.
 
     The twist is the slope of the computed course, by central differences; that it balances the rod is not used.
     """
     footprint = grid_footprint(loop.slider.outline, GRID)
     gridded = replace(loop, footprint=footprint)
-    course = gridded.model.push(gridded.start_pose(theta), loop.push, loop.push.distance / _STEPS).trajectory
+    course = gridded.model.push(gridded.start_pose(0.0), loop.push, loop.push.distance / _STEPS).trajectory
     at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
     pose = course.pose[at]
     slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])
@@ -259,6 +240,3 @@ def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
 
 def _torque(lever: Array, force: Array) -> Array:
     return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
-
-
-FIGURE = PaperFigure(compute, draw, caption)

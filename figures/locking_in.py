@@ -9,12 +9,10 @@ from io import BytesIO
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import FuncFormatter, MultipleLocator
-from numpy.typing import NDArray
 from PIL import Image
 
 from cyclemap.arrays import Array
@@ -23,7 +21,6 @@ from cyclemap.collection.portrait_curves import placed
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
-from cyclemap.mechanics import Trajectory
 from cyclemap.views.style import (
     INK,
     MEASURED,
@@ -35,7 +32,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import Frame, MeasuredFolder, PaperAnimation
+from .catalogue import Frame, MeasuredFolder
 
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.
@@ -91,7 +88,7 @@ class LockingIn:
     unstable: float
     multiplier: float
     curve: Array
-    moments: tuple[Moment, ...]
+    moments: list[Moment]
     rod_radius: float
 
     @property
@@ -126,44 +123,29 @@ def compute(
     stable = stable + 2 * np.pi * round((theta[-1] - stable) / (2 * np.pi))
     unstable = float(edge.points[0]) + 2 * np.pi * math.floor((theta[0] - float(edge.points[0])) / (2 * np.pi))
     reach = np.linspace(min(theta.min(), unstable) - 0.1, theta.max() + 0.25, 241)
-    moments = [moment for number, cycle in enumerate(run) for moment in _moments(cycle, number, len(run), pace, slow)]
-    return LockingIn(
-        theta, stable, unstable, rest.multiplier, np.stack([reach, circle_map(reach)], axis=1), tuple(moments),
-        loop.pusher.radius,
-    )  # fmt: skip
+    curve = np.stack([reach, circle_map(reach)], axis=1)
+    return LockingIn(theta, stable, unstable, rest.multiplier, curve, moments(run, pace, slow), loop.pusher.radius)
 
 
-def _moments(
-    cycle: Cycle, number: int, count: int, pace: tuple[tuple[int, int, int], ...], slow: tuple[int, int]
-) -> list[Moment]:
-    """The pictures of one cycle."""
-    push, drag = next(((p, d) for until, p, d in pace if number < until), FAST)
-    if number == count - 1:
-        push, drag = slow
-    made = _stroke(cycle, number, cycle.trajectory.push, push, True)
-    if drag:
-        made += _stroke(cycle, number, cycle.trajectory.drag, drag, False)
-    if number == count - 1:
-        made[-1] = replace(made[-1], seconds=LAST_SECONDS)
-    return made
-
-
-def _stroke(cycle: Cycle, number: int, motion: Trajectory, count: int, pushing: bool) -> list[Moment]:
-    """`count` pictures at equal distances along a stroke, the last at its end."""
-    way = motion.path / motion.path[-1]
-    shares = np.linspace(0.0, 1.0, count + 1)[1:]
-    slider = cycle.loop.slider
-    assert isinstance(slider.outline, PolygonOutline)
-    outline, hitch = np.asarray(slider.outline.vertices), np.asarray(slider.hitch, dtype=float)
-    side = outline[[cycle.loop.push.side, (cycle.loop.push.side + 1) % len(outline)]]
-    made = []
-    for share in shares.tolist():
-        pose = np.array([np.interp(share, way, column) for column in motion.pose.T])
-        rod = np.array([np.interp(share, way, column) for column in motion.pusher.T])
-        path = np.concatenate([motion.pusher[way < share], [rod]])
-        body, pushed, ring = (placed(pose, points) for points in (outline, side, hitch))
-        made.append(Moment(number, body, pushed, ring, rod, pushing, path, SECONDS))
-    return made
+def moments(run: list[Cycle], pace: tuple[tuple[int, int, int], ...], slow: tuple[int, int]) -> list[Moment]:
+    """Return the pictures of all cycles: of each stroke so many, at equal distances along it, the last at its end."""
+    loop, found = run[0].loop, []
+    assert isinstance(loop.slider.outline, PolygonOutline)
+    outline, hitch = np.asarray(loop.slider.outline.vertices), np.asarray(loop.slider.hitch, dtype=float)
+    side = outline[[loop.push.side, (loop.push.side + 1) % len(outline)]]
+    for number, cycle in enumerate(run):
+        counts = next(((p, d) for until, p, d in pace if number < until), FAST)
+        strokes = (cycle.trajectory.push, cycle.trajectory.drag)
+        for motion, count in zip(strokes, slow if number == len(run) - 1 else counts, strict=True):
+            way = motion.path / motion.path[-1]
+            for share in np.linspace(0.0, 1.0, count + 1)[1:].tolist():
+                pose = np.array([np.interp(share, way, column) for column in motion.pose.T])
+                rod = np.array([np.interp(share, way, column) for column in motion.pusher.T])
+                path = np.concatenate([motion.pusher[way < share], [rod]])
+                body, pushed, ring = (placed(pose, points) for points in (outline, side, hitch))
+                found.append(Moment(number, body, pushed, ring, rod, motion is strokes[0], path, SECONDS))
+    found[-1] = replace(found[-1], seconds=LAST_SECONDS)
+    return found
 
 
 def caption(result: LockingIn) -> str:
@@ -183,9 +165,12 @@ def frames(result: LockingIn) -> Iterator[Frame]:
     """Draw every moment of the run."""
     with picture_style():
         stage = _Stage(result)
+        stage.figure.set_dpi(DPI)
         for moment in result.moments:
             stage.show(moment)
-            yield Frame(figure_pixels(stage.figure, DPI), moment.seconds)
+            stage.figure.canvas.draw()
+            pixels = np.asarray(stage.figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
+            yield Frame(pixels[..., :3].copy(), moment.seconds)
 
 
 class _Stage:
@@ -295,14 +280,3 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
         disposal=1,
     )
     return buffer.getvalue()
-
-
-def figure_pixels(figure: Figure, dpi: float) -> NDArray[np.uint8]:
-    """Return the figure as (height, width, 3) pixels."""
-    figure.set_dpi(dpi)
-    canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
-    canvas.draw()  # type: ignore[no-untyped-call]
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
-
-
-ANIMATION = PaperAnimation(compute, frames, caption)

@@ -10,6 +10,8 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebpts2, chebvander
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
@@ -30,9 +32,9 @@ _ANGLE_STEP, _LENGTH_STEP = 1e-4, 1e-6
 class LoopFamily:
     """The cycle maps of a family of loops, interpolated.
 
-    loop_at : parameters -> loop. ranges : (low, high) of each parameter. coefficients : (n₁, ..., K) complex: at each
-    Chebyshev node of the parameters the Fourier coefficients of the turn, of which the real part of Σ c_k e^{ikθ}
-    is the turn f(θ) - θ in rad. Called with one number a parameter it gives the CircleMap.
+    loop_at : parameters -> loop. ranges : (low, high) of each parameter. coefficients : (n₁, ..., K) complex: by
+    Chebyshev polynomials of the parameters the Fourier coefficients of the turn: the real part of Σ c_k e^{ikθ} is the
+    turn f(θ) - θ in rad. Called with one number a parameter it gives the CircleMap.
 
     Where the mechanics is smooth the error falls with every node; kinks of f' (stick to slip) slow that down. Measure
     it with `error_at`.
@@ -44,22 +46,22 @@ class LoopFamily:
 
     def series(self, *parameters: Any) -> NDArray[np.complex128]:
         """Return the coefficients (..., K) of the turn at parameters of shape (...) each."""
-        weights = [
-            _barycentric(np.asarray(value, dtype=float), chebyshev_nodes(*ends, count))
-            for value, ends, count in zip(parameters, self.ranges, self.coefficients.shape, strict=False)
-        ]
-        if len(weights) == 1:
-            return np.asarray(weights[0] @ self.coefficients)
-        return np.asarray(np.einsum("...i,...j,ijk->...k", *weights, self.coefficients))
+        polynomials = []
+        for value, (low, high), count in zip(parameters, self.ranges, self.coefficients.shape, strict=False):
+            place = (2.0 * np.asarray(value, dtype=float) - low - high) / (high - low)
+            polynomials.append(chebvander(place, count - 1).reshape(*place.shape, count))
+        if len(polynomials) == 1:
+            return np.asarray(polynomials[0] @ self.coefficients)
+        return np.asarray(np.einsum("...i,...j,ijk->...k", *polynomials, self.coefficients))
 
     def turn(self, theta: Any, *parameters: Any) -> Array:
         """Return f(θ) - θ (rad); θ and parameters broadcast."""
-        return np.asarray(_horner(np.asarray(theta, dtype=float), self.series(*parameters)).real)
+        return np.asarray(_wave(theta, self.series(*parameters)).real)
 
     def slope(self, theta: Any, *parameters: Any) -> Array:
         """Return f'(θ); θ and parameters broadcast."""
         series = self.series(*parameters)
-        return np.asarray(1.0 + _horner(np.asarray(theta, dtype=float), 1j * np.arange(series.shape[-1]) * series).real)
+        return np.asarray(1.0 + _wave(theta, 1j * np.arange(series.shape[-1]) * series).real)
 
     def __call__(self, *parameters: float) -> CircleMap:
         """Return the cycle map at one number a parameter."""
@@ -72,7 +74,7 @@ class LoopFamily:
             return theta + reduce(lambda total, coefficient: total * turner + coefficient, descending, 0j).real
 
         return CircleMap.with_scalar(
-            lambda theta: theta + _horner(theta, series).real, lambda theta: 1.0 + _horner(theta, slopes).real, scalar
+            lambda theta: theta + _wave(theta, series).real, lambda theta: 1.0 + _wave(theta, slopes).real, scalar
         )
 
     @property
@@ -102,7 +104,11 @@ def loop_family(loop_at: LoopAt, ranges: tuple[Range, ...], nodes: tuple[int, ..
     series = np.fft.rfft(turns, axis=-1) / angles
     # Each wave but the mean and, for an even count, the fastest stands for two of the transform's.
     series[:, 1 : (angles + 1) // 2] *= 2.0
-    return LoopFamily(loop_at, ranges, series.reshape(*nodes, -1))
+    series = series.reshape(*nodes, -1)
+    for axis, count in enumerate(nodes):
+        from_nodes = np.linalg.inv(chebvander(chebpts2(count), count - 1))
+        series = np.moveaxis(np.tensordot(from_nodes, series, (1, axis)), 0, axis)
+    return LoopFamily(loop_at, ranges, series)
 
 
 def chebyshev_nodes(low: float, high: float, count: int) -> Array:
@@ -111,27 +117,13 @@ def chebyshev_nodes(low: float, high: float, count: int) -> Array:
     >>> chebyshev_nodes(0.0, 2.0, 3).round(9).tolist()
     [0.0, 1.0, 2.0]
     """
-    share = 0.5 - 0.5 * np.cos(np.pi * np.arange(count) / (count - 1))
-    return np.asarray(low + (high - low) * share)
+    return np.asarray(low + (high - low) * (0.5 + 0.5 * chebpts2(count)))
 
 
-def _barycentric(value: Array, nodes: Array) -> Array:
-    """The weights (..., n) of the nodes in the polynomial through them, at values (...) (Berrut & Trefethen 2004)."""
-    signs = (-1.0) ** np.arange(nodes.size)
-    signs[[0, -1]] *= 0.5
-    off = value[..., np.newaxis] - nodes
-    hit = off == 0.0
-    with np.errstate(divide="ignore"):
-        weights = np.where(hit.any(axis=-1, keepdims=True), hit, signs / np.where(hit, 1.0, off))
-    return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
-
-
-def _horner(theta: Array, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _wave(theta: Any, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Σ c_k e^{ikθ} with coefficients (..., K), which broadcast over θ."""
-    turner, total = np.exp(1j * theta), np.zeros(np.broadcast_shapes(theta.shape, series.shape[:-1]), dtype=complex)
-    for k in range(series.shape[-1] - 1, -1, -1):
-        total = total * turner + series[..., k]
-    return total
+    found = polyval(np.exp(1j * np.asarray(theta, dtype=float)), np.moveaxis(series, -1, 0), tensor=False)
+    return np.asarray(found, dtype=np.complex128)
 
 
 def ring_radius(loop: CollectionLoop) -> float:

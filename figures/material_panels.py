@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from matplotlib.axes import Axes
@@ -19,28 +19,20 @@ SIMULATED_FILL = "#c4c4c4"
 _SIDE, _HEAD, _FOOT = 0.75, 0.75, 0.85
 
 
-def material_grid(names: Iterable[str], columns: int = 2) -> tuple[Figure, dict[str, Axes]]:
-    """A figure with a panel a name, in rows of ``columns``, titled with the names; room above each for a legend."""
-    titles = list(names)
-    rows = -(-len(titles) // columns)
+def draw_materials(names: Sequence[str], panels: Sequence[One], draw_one: Callable[[Axes, One], None]) -> Figure:
+    """A figure with a panel for each of a few materials, titled with the names; room above each for a legend."""
+    columns = 2 if len(names) <= 4 else 3
+    rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
-    figure = new_figure(width * columns, height * rows + 0.1)
-    grid = figure.add_gridspec(
-        rows, columns, left=_SIDE / (width * columns), right=1.0 - 0.2 / (width * columns),
-        bottom=_FOOT / (height * rows), top=1.0 - _HEAD / (height * rows), hspace=0.5, wspace=0.22,
-    )  # fmt: skip
-    panels = {}
-    for place, name in enumerate(titles):
-        panels[name] = figure.add_subplot(grid[place // columns, place % columns])
-        panels[name].set_title(name)
-    return figure, panels
-
-
-def draw_materials(materials: Sequence[One], draw_one: Callable[[Axes, One], None]) -> Figure:
-    """A panel each for what was found on materials (``.run.surface`` names them)."""
     with picture_style():
-        figure, panels = material_grid(one.run.surface for one in materials)
-        for axes, one in zip(panels.values(), materials, strict=True):
+        figure = new_figure(width * columns, height * rows + 0.1)
+        grid = figure.add_gridspec(
+            rows, columns, left=_SIDE / (width * columns), right=1.0 - 0.2 / (width * columns),
+            bottom=_FOOT / (height * rows), top=1.0 - _HEAD / (height * rows), hspace=0.5, wspace=0.22,
+        )  # fmt: skip
+        for place, (name, one) in enumerate(zip(names, panels, strict=True)):
+            axes = figure.add_subplot(grid[place // columns, place % columns])
+            axes.set_title(name)
             draw_one(axes, one)
     return figure
 

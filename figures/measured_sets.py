@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections import Counter
 from collections.abc import Iterable
@@ -11,8 +10,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
+from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS
 from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.tables.push_sets import FEWEST
@@ -23,14 +25,8 @@ if TYPE_CHECKING:
     import pandas
 
 # The paper's repeated pushes, as the names of the MIT files say it; SI units and radians.
-PROTOCOL: dict[str, str | float] = {
-    "object": "rect1",
-    "acceleration": 0.0,
-    "speed": 0.02,
-    "side": 0.0,
-    "fraction": 0.7,
-    "angle": 0.0,
-}
+OBJECT = "rect1"
+PROTOCOL = {"acceleration": 0.0, "speed": 0.02, "side": 0.0, "fraction": 0.7, "angle": 0.0}
 # The material whose θ0 are at hand in a file of their own.
 THETA0_SURFACE = "plywood"
 
@@ -39,12 +35,11 @@ THETA0_SURFACE = "plywood"
 class MeasuredRun:
     """A measured set of the paper's repeated pushes.
 
-    unreadable : files in its folder that could not be read. home : that folder.
+    unreadable : files in its folder that could not be read.
     """
 
     pushes: PushSet
     unreadable: int
-    home: Path
 
 
 def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
@@ -54,15 +49,10 @@ def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
     the paper's protocol (``PROTOCOL``); at least 20 of them, in one folder, make a set.
     """
     found = None if measured.path is None else _run_below(measured.path, surface)
-    if found is not None:
-        _told_used(measured, found.home)
+    if measured.path is not None and found is not None:
+        # One who watches the folder so knows what was used.
+        measured.find(found.pushes.source.relative_to(measured.path).as_posix())
     return found
-
-
-def _told_used(measured: MeasuredFolder, home: Path) -> None:
-    """Ask the folder for what was found in it, so that one who watches it knows what was used."""
-    assert measured.path is not None
-    measured.folder(home.relative_to(measured.path).as_posix())
 
 
 def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | None:
@@ -70,7 +60,7 @@ def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | Non
     found = measured_run(measured, surface)
     if found is not None and found.pushes.pairs is not None:
         return found.pushes.pairs
-    file = measured.file(THETA0_FILE) if surface == THETA0_SURFACE else None
+    file = measured.find(THETA0_FILE) if surface == THETA0_SURFACE else None
     return None if file is None else read_theta0_pairs(file)
 
 
@@ -82,16 +72,15 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
     if measured.path is None:
         return None
     homes: Counter[str] = Counter()
-    of = surface, PROTOCOL["object"]
     for home, _, names in sorted(os.walk(measured.path)):
         scans = [scan_facts(name) for name in names if name.endswith(SUFFIXES)]
-        homes[home] += sum(one is not None and (one.surface, one.object) == of for one in scans)
+        homes[home] += sum(one is not None and (one.surface, one.object) == (surface, OBJECT) for one in scans)
     for home, count in homes.most_common(1):
         if count:
-            _told_used(measured, Path(home))
+            measured.find(Path(home).relative_to(measured.path).as_posix())
             scans = load_pushes(home).scans
-            told = scans[(scans["surface"] == surface) & (scans["object"] == PROTOCOL["object"])]
-            return told.dropna(subset=["force_along", "force_across"])
+            told = scans[(scans["surface"] == surface) & (scans["object"] == OBJECT)]
+            return told.dropna(subset=list(SCAN_FIELDS))
     return None
 
 
@@ -120,23 +109,18 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
     homes: Counter[str] = Counter()
     for home, _, names in sorted(os.walk(folder)):
         for facts in map(push_facts, (name for name in names if name.endswith(SUFFIXES))):
-            if facts is not None and facts.surface == surface and not math.isnan(facts.repetition):
-                homes[home] += all(_same(getattr(facts, name), value) for name, value in PROTOCOL.items())
+            if facts is not None and (facts.surface, facts.object) == (surface, OBJECT) and facts.repetition >= 0:
+                told = [getattr(facts, name) for name in PROTOCOL]
+                homes[home] += np.allclose(told, list(PROTOCOL.values()), rtol=1e-6, atol=1e-9)
     for home, count in homes.most_common():
         if count < FEWEST:
             return None
         table = load_pushes(home)
-        found = push_sets(table, {"surface": surface, **PROTOCOL})
+        found = push_sets(table, {"surface": surface, "object": OBJECT, **PROTOCOL})
         best = max(found, key=lambda one: one.count)
         if best.count >= FEWEST:
-            return MeasuredRun(best, len(table.unreadable), Path(home))
+            return MeasuredRun(best, len(table.unreadable))
     return None
-
-
-def _same(found: str | float | None, wanted: str | float) -> bool:
-    if isinstance(wanted, str) or found is None or isinstance(found, str):
-        return found == wanted
-    return math.isclose(found, wanted, rel_tol=1e-6, abs_tol=1e-9)
 
 
 def push_file_names(folder: Path) -> list[Path]:

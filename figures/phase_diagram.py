@@ -21,7 +21,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .loop_family import (
     LoopFamily,
     RingFold,
@@ -253,6 +253,3 @@ def caption(result: PhaseDiagram) -> str:
         f"{result.mit_scale:.2f} times Table I on; to first order in the anisotropy (dashes) from {at_mit:.2f} times. "
         f"{others} The interpolated maps miss cycles that were run by at most {math.degrees(result.error):.1g}°."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -22,6 +22,7 @@ from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
+from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
 from .measured_sets import listed, measured_run, measured_theta0, not_found, push_file_names, readable_pushes
@@ -62,14 +63,9 @@ class PushedPaths:
     orientations: Array
 
     @property
-    def recorded(self) -> bool:
-        """Whether the paths are those of recorded pushes."""
-        return self.origin == RECORDED
-
-    @property
-    def end(self) -> Array:
-        """(k, 2) m, displacement of each push in the object's frame."""
-        return np.asarray(self.object_frame[:, -1])
+    def spread(self) -> Array:
+        """Standard deviations (3,) of turn (rad), dx and dy (m, in the object's frame) over the pushes."""
+        return np.array([self.turn.std(), *self.object_frame[:, -1].std(axis=0)])
 
 
 def paths_on_four_surfaces(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> list[PushedPaths]:
@@ -84,38 +80,6 @@ def paths_on_four_surfaces(measured: MeasuredFolder, cycles: int = CYCLES, drawn
         or simulated_paths(surface, cycles, drawn)
         for surface in STANDS_FOR
     ]
-
-
-@lru_cache(maxsize=16)
-def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> PushedPaths:
-    """Return paths of pushes of a noisy simulated run on `surface`; the noise of a cycle is 1.1 degrees.
-
-    The run starts at the direction that the paper names first, else at 0; where the material wears it goes from fresh
-    to worn within the run, whatever its length.
-    """
-    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
-    start = (*published_statistics(surface).directions, 0.0)[0]
-    stages = np.linspace(0.0, 1.0, _WEAR_STAGES + 1) if loop.material.wear else np.zeros(1)
-    states = [(cycles * share, worn_loop(loop, share * _worn_cycles(loop))) for share in stages]
-    drifting = DriftingMap.between([(cycle, state.circle_map(MAP_TOLERANCE)) for cycle, state in states])
-    run = sample_staircase(drifting, NOISE, cycles, start, seed=1)
-    chosen = _evenly(cycles, drawn)
-    poses = _simulated(loop, run.theta[chosen], _worn_cycles(loop) * chosen / cycles)
-    return _paths(surface, loop.material.name, SIMULATED, poses, run.theta[:-1])
-
-
-def paths_from_measured_theta0(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
-    """Return paths simulated from `drawn` of the measured θ0, on the surface as worn as it then was; None without θ0.
-
-    orientations : all the measured ones.
-    """
-    pairs = measured_theta0(measured, surface)
-    if pairs is None or pairs.path is None or pairs.path_cycle is None:
-        return None
-    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
-    chosen = _evenly(len(pairs.path), drawn)
-    poses = _simulated(loop, pairs.path[chosen], pairs.path_cycle[chosen])
-    return _paths(surface, loop.material.name, MEASURED_THETA0, poses, pairs.path)
 
 
 def recorded_paths(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
@@ -135,14 +99,69 @@ def recorded_paths(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -
     for _, record in records:
         # At equal times.
         clock = record.object_pose[:, 0]
-        times, columns = (
-            np.linspace(clock[0], clock[-1], STATIONS),
-            (*record.object_pose[:, 1:3].T, record.object_angle),
-        )
+        times = np.linspace(clock[0], clock[-1], STATIONS)
+        columns = (*record.object_pose[:, 1:3].T, record.object_angle)
         courses.append(np.stack([np.interp(times, clock, one) for one in columns], axis=-1))
     poses = np.array(courses)
     poses[..., :2] -= MIT_TARGET
     return _paths(surface, "", RECORDED, poses, run.pushes.theta)
+
+
+def paths_from_measured_theta0(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
+    """Return paths simulated from `drawn` of the measured θ0, on the surface as worn as it then was; None without θ0.
+
+    orientations : all the measured ones.
+    """
+    pairs = measured_theta0(measured, surface)
+    if pairs is None or pairs.path is None or pairs.path_cycle is None:
+        return None
+    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
+    return _simulated(surface, loop, MEASURED_THETA0, pairs.path, pairs.path_cycle, drawn)
+
+
+@lru_cache(maxsize=16)
+def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> PushedPaths:
+    """Return paths of pushes of a noisy simulated run on `surface`; the noise of a cycle is 1.1 degrees.
+
+    The run starts at the direction that the paper names first, else at 0; where the material wears it goes from fresh
+    to worn within the run, whatever its length.
+    """
+    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
+    wear, start = loop.material.wear, (*published_statistics(surface).directions, 0.0)[0]
+    worn, stages = (wear.cycles, np.linspace(0.0, 1.0, _WEAR_STAGES + 1)) if wear else (0.0, np.zeros(1))
+    states = [(cycles * share, worn_loop(loop, share * worn).circle_map(MAP_TOLERANCE)) for share in stages]
+    run = sample_staircase(DriftingMap.between(states), NOISE, cycles, start, seed=1)
+    return _simulated(surface, loop, SIMULATED, run.theta[:-1], worn * np.arange(cycles) / cycles, drawn)
+
+
+def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
+    """Numbers below `count`, at most `drawn` of them, the first and the last included."""
+    return np.linspace(0, count - 1, min(drawn, count)).round().astype(np.intp)
+
+
+def _simulated(surface: str, loop: CollectionLoop, origin: str, theta: Array, cycle: Array, drawn: int) -> PushedPaths:
+    """Paths of `drawn` of the pushes from orientations (n,) at cycles (n,) of the wear.
+
+    At equal distances of the rod's stroke; the object rests where the rod has left it.
+    """
+    chosen, travel, found = _evenly(theta.size, drawn), np.linspace(0.0, loop.push.distance, STATIONS), []
+    for start, now in zip(theta[chosen].tolist(), cycle[chosen].tolist(), strict=True):
+        worn = worn_loop(loop, now)
+        course = worn.model.push(worn.start_pose(start), worn.push, worn.push.distance / (STATIONS - 1)).trajectory
+        found.append(np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1))
+    return _paths(surface, loop.material.name, origin, np.array(found), theta)
+
+
+def _paths(surface: str, material: str, origin: str, poses: Array, orientations: Array) -> PushedPaths:
+    """Paths of pushes with poses (k, m, 3)."""
+    theta0 = poses[:, 0, 2]
+    offset = poses[..., :2] - poses[:, :1, :2]
+    c, s = np.cos(theta0)[:, None], np.sin(theta0)[:, None]
+    x, y = offset[..., 0], offset[..., 1]
+    turned = np.stack([c * x + s * y, -s * x + c * y], axis=-1)
+    turn = poses[:, -1, 2] - theta0
+    arrays = (read_only(array) for array in (theta0, turn, turned, poses[..., :2], orientations))
+    return PushedPaths(surface, material, origin, *arrays)
 
 
 def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
@@ -154,77 +173,40 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     >>> crossing_pairs(paths, np.ones((3, 3), dtype=bool))
     (1, 3)
     """
+
+    def side(a: Array, b: Array, point: Array) -> Array:
+        """Twice the area of the triangles a, b, point: positive where the point lies left of the way from a to b."""
+        return np.asarray((b - a)[..., 0] * (point - a)[..., 1] - (b - a)[..., 1] * (point - a)[..., 0])
+
     later = np.triu(apart, 1)
     crossed = 0
     for path, row in zip(paths, later, strict=True):
         a, b = path[:-1, None], path[1:, None]
         c, d = paths[row][:, None, :-1], paths[row][:, None, 1:]
-        found = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
+        found = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
         crossed += int(np.sum(np.any(found, axis=(1, 2))))
     return crossed, int(np.sum(later))
 
 
-def _side(a: Array, b: Array, point: Array) -> Array:
-    """Twice the area of the triangles a, b, point: positive where the point lies left of the way from a to b."""
-    return np.asarray((b - a)[..., 0] * (point - a)[..., 1] - (b - a)[..., 1] * (point - a)[..., 0], dtype=np.float64)
+def shade_bar(figure: Figure, place: tuple[float, float, float, float], surfaces: list[PushedPaths]) -> ScalarMappable:
+    """Draw the bar of shades at a place (left, bottom, width, height) of the figure, and return the shades.
 
-
-def _worn_cycles(loop: CollectionLoop) -> float:
-    return loop.material.wear.cycles if loop.material.wear else 0.0
-
-
-def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
-    """Numbers below `count`, at most `drawn` of them, the first and the last included."""
-    return np.linspace(0, count - 1, min(drawn, count)).round().astype(np.intp)
-
-
-def _simulated(loop: CollectionLoop, theta: Array, cycle: Array) -> Array:
-    """Poses (k, m, 3) of the pushes from orientations (k,) at cycles (k,) of the wear.
-
-    At equal distances of the rod's stroke; the object rests where the rod has left it.
+    They are those of the turns (degrees) of all pushes, from the least to the largest in whole degrees.
     """
-    travel, found = np.linspace(0.0, loop.push.distance, STATIONS), []
-    for start, now in zip(theta.tolist(), cycle.tolist(), strict=True):
-        worn = worn_loop(loop, now)
-        course = worn.model.push(worn.start_pose(start), worn.push, worn.push.distance / (STATIONS - 1)).trajectory
-        found.append(np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1))
-    return np.array(found)
-
-
-def _paths(surface: str, material: str, origin: str, poses: Array, orientations: Array) -> PushedPaths:
-    theta0 = poses[:, 0, 2]
-    offset = poses[..., :2] - poses[:, :1, :2]
-    c, s = np.cos(theta0)[:, None], np.sin(theta0)[:, None]
-    x, y = offset[..., 0], offset[..., 1]
-    turned = np.stack([c * x + s * y, -s * x + c * y], axis=-1)
-    turn = poses[:, -1, 2] - theta0
-    arrays = (read_only(array) for array in (theta0, turn, turned, poses[..., :2], orientations))
-    return PushedPaths(surface, material, origin, *arrays)
-
-
-def turn_shades(surfaces: list[PushedPaths]) -> ScalarMappable:
-    """The shades of the turns (degrees) of all pushes, from the least to the largest in whole degrees."""
     turns = np.degrees(np.concatenate([paths.turn for paths in surfaces]))
-    return ScalarMappable(Normalize(np.floor(turns.min()), np.ceil(turns.max())), SHADES)
-
-
-def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) -> None:
-    """Draw paths (k, m, 2) m, in millimetres, each in the shade of its turn (k,) rad."""
-    collection = LineCollection(list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75)
-    axes.add_collection(collection)
-    axes.set_aspect("equal")
-
-
-def shade_bar(figure: Figure, place: tuple[float, float, float, float], shades: ScalarMappable) -> None:
-    """The bar of shades at a place (left, bottom, width, height) of the figure."""
+    shades = ScalarMappable(Normalize(np.floor(turns.min()), np.ceil(turns.max())), SHADES)
     bar = figure.add_axes(place)
     figure.colorbar(shades, cax=bar, label="Δθ, turn of the push (°)")
     bar.grid(False)
+    return shades
 
 
-def panel_title(paths: PushedPaths) -> str:
-    """The surface, and where its pushes come from."""
-    return f"{paths.surface}, {paths.origin}"
+def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) -> None:
+    """Draw paths (k, m, 2) m from the cross, in millimetres, each in the shade of its turn (k,) rad."""
+    collection = LineCollection(list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75)
+    axes.add_collection(collection)
+    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
+    axes.set_aspect("equal")
 
 
 def material_sentence(surfaces: list[PushedPaths]) -> str:

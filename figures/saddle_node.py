@@ -18,7 +18,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
 
 MM = 1000.0
@@ -208,6 +208,3 @@ def caption(result: SaddleNode) -> str:
         f"shortens as one over the square root of the distance. The curves miss cycles that were run by at most "
         f"{math.degrees(result.error):.2g}°."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

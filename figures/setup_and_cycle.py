@@ -15,7 +15,7 @@ from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.portrait_curves import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, arrow, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 
 MM = 1000.0
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
@@ -43,10 +43,10 @@ class SetupAndCycles:
         return np.asarray(first + self.loop.push.fraction * (second - first))
 
 
-def compute(measured: MeasuredFolder, material: str = "plywood", theta: float = START) -> SetupAndCycles:
-    """Run two cycles of the MIT loop on `material` from `theta` (rad); nothing here is measured."""
-    loop = CollectionLoop.mit(material)
-    first = loop.cycle(theta)
+def compute(measured: MeasuredFolder) -> SetupAndCycles:
+    """Run two cycles of the MIT loop on plywood from `START`; nothing here is measured."""
+    loop = CollectionLoop.mit("plywood")
+    first = loop.cycle(START)
     second = loop.cycle(first.theta_next)
     return SetupAndCycles(loop, (first, second), (cycle_scene(loop, first), cycle_scene(loop, second)))
 
@@ -59,9 +59,6 @@ def draw(result: SetupAndCycles) -> Figure:
         _draw_setup(figure.add_subplot(grid[0]), result)
         _draw_cycles(figure.add_subplot(grid[1]), result)
     return figure
-
-
-# -- the set-up --------------------------------------------------------------------------------------------
 
 
 def _draw_setup(axes: Axes, result: SetupAndCycles) -> None:
@@ -104,10 +101,8 @@ def _name(axes: Axes, place: tuple[float, float], words: str, **look: Any) -> No
     axes.text(*place, words, **given)
 
 
-# -- two cycles --------------------------------------------------------------------------------------------
-
-
 def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
+    corners = []
     for number, (cycle, scene) in enumerate(zip(result.cycles, result.scenes, strict=True)):
         colour = _CYCLE_COLOURS[number]
         for outline, width in ((scene.push.before, 1.6), (scene.push.after, 0.7)):
@@ -115,7 +110,9 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
         _path(axes, scene.push, colour, "-", f"push {_INDEX[number]}")
         _path(axes, scene.drag, colour, (0, (4, 2)), f"drag back {_INDEX[number]}")
         tip = MM * scene.push.rod[0]
-        way = _push_way(result.loop, cycle)
+        # The touched side's inward normal is -y in the object's frame.
+        way = placed(np.array([0.0, 0.0, cycle.theta + result.loop.push.angle]), np.array([0.0, -1.0]))
+        corners += [*(MM * scene.push.reach), tip - (_ARROW + _WORDS) * way]
         tail = tip - _ARROW * way
         arrow(axes, tail, tip, FORCE, 2.2, 8)
         words = f"push {_INDEX[number]}, from\nθ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
@@ -123,12 +120,8 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
         axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
     axes.plot(0.0, 0.0, "x", color=INK, markersize=8, markeredgewidth=1.8, label="target of the ring", zorder=7)
     # A square window about all that is drawn, with room for the words behind the arrows.
-    ends = [
-        MM * scene.push.rod[0] - (_ARROW + _WORDS) * _push_way(result.loop, cycle)
-        for cycle, scene in zip(result.cycles, result.scenes, strict=True)
-    ]
-    corners = np.concatenate([*(MM * scene.push.reach for scene in result.scenes), ends])
-    middle, half = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), np.ptp(corners, axis=0).max() / 2 + 12.0
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    middle, half = 0.5 * (low + high), (high - low).max() / 2 + 12.0
     axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
     axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
     axes.set_title("Path of the centre in cycles k and k+1")
@@ -136,11 +129,6 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
 
 
 _INDEX, _RAISED = ("k", "k+1"), ("ᵏ", "ᵏ⁺¹")
-
-
-def _push_way(loop: CollectionLoop, cycle: Cycle) -> Array:
-    """(2,) unit vector of the push in the world; the touched side's inward normal is -y in the object's frame."""
-    return placed(np.array([0.0, 0.0, cycle.theta + loop.push.angle]), np.array([0.0, -1.0]))
 
 
 def _path(axes: Axes, stroke: StrokeScene, colour: str, style: Any, label: str) -> None:
@@ -166,6 +154,3 @@ def caption(result: SetupAndCycles) -> str:
         f"{told[2]:.1f}°, so that the next push starts at {told[3]:.1f}°: the ring is back at its target, the centre "
         "is not where it was."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -30,7 +30,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .measured_sets import MeasuredRun, measured_run, measured_theta0
 
 SURFACE = "plywood"
@@ -45,21 +45,14 @@ _CURVE = np.linspace(0.0, 2.0 * np.pi, 721)
 class SimulatedTurns:
     """Simulated pushes and cycles from equally spaced orientations, and curves through them.
 
-    name : what was simulated. theta, push_turn, cycle_turn : (n,) rad.
+    name : what was simulated. theta : (n,) rad. push, cycle : of which the turns are those of a push, Δθ, and of a
+    whole cycle; shape-preserving cubics.
     """
 
     name: str
     theta: Array
-    push_turn: Array
-    cycle_turn: Array
-
-    def push_at(self, theta: Array) -> Array:
-        """Δθ (...), rad, at orientations (...): a shape-preserving cubic through the pushes."""
-        return CircleMap.from_samples(self.theta, self.theta + self.push_turn).turn(theta)
-
-    def cycle_at(self, theta: Array) -> Array:
-        """Turn of the cycle (...), rad, at orientations (...)."""
-        return CircleMap.from_samples(self.theta, self.theta + self.cycle_turn).turn(theta)
+    push: CircleMap
+    cycle: CircleMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +70,7 @@ class SimulatedAgainstMeasured:
     def push_statistics(self, number: int) -> tuple[float, float]:
         """Mean and standard deviation (rad) of the simulated Δθ at the measured θ0, without any at all θ0 alike."""
         simulated = self.simulated[number]
-        turn = simulated.push_at(self.cycles[0].pairs.theta) if self.cycles else simulated.push_turn
+        turn = simulated.push.turn(self.cycles[0].pairs.theta if self.cycles else simulated.theta)
         return float(np.mean(turn)), float(np.std(turn))
 
     def recorded_error(self, number: int) -> float:
@@ -85,7 +78,7 @@ class SimulatedAgainstMeasured:
         if self.recorded is None:
             return float("nan")
         pushes, simulated = self.recorded.pushes, self.simulated[number]
-        return float(np.sqrt(np.nanmean((pushes.dtheta - simulated.push_at(pushes.theta)) ** 2)))
+        return float(np.sqrt(np.nanmean((pushes.dtheta - simulated.push.turn(pushes.theta)) ** 2)))
 
 
 def compute(measured: MeasuredFolder, nodes: int = NODES) -> SimulatedAgainstMeasured:
@@ -100,7 +93,7 @@ def compute(measured: MeasuredFolder, nodes: int = NODES) -> SimulatedAgainstMea
         simulated_turns("plywood-measured, worn", worn_loop(inferred, inferred.material.wear.cycles), nodes),
     )
     pairs = measured_theta0(measured, SURFACE)
-    cycles = () if pairs is None else tuple(measured_overlay(pairs, one.cycle_at) for one in simulated)
+    cycles = () if pairs is None else tuple(measured_overlay(pairs, one.cycle.turn) for one in simulated)
     return SimulatedAgainstMeasured(simulated, measured_run(measured, SURFACE), cycles)
 
 
@@ -108,7 +101,8 @@ def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> Simu
     """Return pushes and cycles of `loop` from `nodes` equally spaced orientations."""
     theta = np.linspace(0.0, 2.0 * np.pi, whole_number("nodes", nodes, least=4), endpoint=False)
     runs = loop.cycles(theta)
-    return SimulatedTurns(name, read_only(theta), read_only(runs.push_turn), read_only(runs.theta_next - theta))
+    push, cycle = (CircleMap.from_samples(theta, end) for end in (theta + runs.push_turn, runs.theta_next))
+    return SimulatedTurns(name, read_only(theta), push, cycle)
 
 
 def draw(result: SimulatedAgainstMeasured) -> Figure:
@@ -124,8 +118,6 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
         if result.recorded is not None:
             pushes = result.recorded.pushes
             _dots(push, pushes.theta, pushes.dtheta, "recorded pushes")
-        for simulated, look in zip(result.simulated, _LOOKS, strict=True):
-            _curve(push, simulated.push_at(_CURVE), simulated.name, look)
         push.set_ylabel("Δθ, turn of the push (°)")
         push.set_title("Push", pad=34.0)
         cycle.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
@@ -133,12 +125,19 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
             bins, pairs = result.cycles[0].bins, result.cycles[0].pairs
             _dots(cycle, pairs.theta, pairs.turn, "measured cycles")
             medians = np.degrees([bins.centre, bins.median])
-            look = {"color": MEASURED_EDGE, "markerfacecolor": "white", "markersize": 4.5, "linestyle": "none"}
-            cycle.plot(*medians, "s", label="their medians in 5°", zorder=6, **look)
-        for simulated, look in zip(result.simulated, _LOOKS, strict=True):
-            _curve(cycle, simulated.cycle_at(_CURVE), simulated.name, look)
+            squares: dict[str, Any] = {
+                "color": MEASURED_EDGE,
+                "markerfacecolor": "white",
+                "markersize": 4.5,
+                "linestyle": "none",
+            }
+            cycle.plot(*medians, "s", label="their medians in 5°", zorder=6, **squares)
         cycle.set_ylabel("turn of push and drag (°)")
         cycle.set_title("Whole cycle", pad=34.0)
+        for simulated, look in zip(result.simulated, _LOOKS, strict=True):
+            for axes, turns in ((push, simulated.push), (cycle, simulated.cycle)):
+                curve = np.degrees(turns.turn(_CURVE))
+                axes.plot(np.degrees(_CURVE), curve, label=simulated.name, zorder=5, **look)
         for axes in (push, cycle):
             degree_axis(axes, "θ0, orientation before the push (°)")
             legend_above(axes, columns=2)
@@ -155,10 +154,6 @@ _LOOKS: tuple[dict[str, Any], ...] = (
 def _dots(axes: Axes, theta: Array, turn: Array, label: str) -> None:
     x, y = np.degrees(np.mod(theta, 2.0 * np.pi)), np.degrees(turn)
     axes.plot(x, y, ".", color=MEASURED, markersize=2.5, alpha=0.6, label=label, zorder=2)
-
-
-def _curve(axes: Axes, turn: Array, label: str, look: dict[str, Any]) -> None:
-    axes.plot(np.degrees(_CURVE), np.degrees(turn), label=label, zorder=5, **look)
 
 
 def caption(result: SimulatedAgainstMeasured) -> str:
@@ -188,6 +183,3 @@ def caption(result: SimulatedAgainstMeasured) -> str:
         f"Left, the push: {dots} The band is the published mean and standard deviation, {mean:.1f}° ± {spread:.1f}° "
         f"(Table II); simulated {where}: {'; '.join(pushes)}. Right, push and drag together: {cycles}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

@@ -3,32 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.evidence import PushSet, SetLaws, Theta0Pairs, set_laws
+from cyclemap.evidence import PushSet, Theta0Pairs, set_laws
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
-from cyclemap.maps import (
-    CircleMap,
-    DriftingMap,
-    Staircase,
-    TransferOperator,
-    WrappedNormal,
-    sample_staircase,
-    transfer_operator,
-)
+from cyclemap.maps import CircleMap, DriftingMap, Staircase, WrappedNormal, sample_staircase, transfer_operator
 
 from .catalogue import MeasuredFolder
-from .measured_sets import MeasuredRun, measured_run
+from .measured_sets import measured_run
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it
 # alone wears and climbs as the robot saw it; Table I's plywood locks in and stays.
@@ -40,14 +31,14 @@ MAP_TOLERANCE = 1e-4
 _ACCURACY = 1e-6
 # Orientations at which derivatives are computed: they only scale noise.
 _SLOPES = 36
-# Orientations, golden-ratio steps round the circle, at which interpolated pushes are compared with the mechanics.
-_CHECKED, _GOLDEN = 12, 0.6180339887498949
 _OUTPUTS = ("push_turn", "push_dx", "push_dy", "theta_next")
 _OFFSET = ("m0", "n0")
 # Of each of the paper's materials, those that a table simulates: plywood by Table I, and as the staircase tells it.
 SIMULATED = {surface: tuple(dict.fromkeys((surface, material))) for surface, material in STANDS_FOR.items()}
 # Names and units of Δθ, Δx and Δy in the paper's convention, and the factors from radians, m and this package's signs.
 QUANTITIES = (("Δθ", "°", 57.29577951308232), ("Δx", "mm", 1e3), ("Δy", "mm", -1e3))
+# The laws of Δθ, Δx and Δy over θ0 of a set; one and the same set is fitted once.
+fitted_laws = lru_cache(maxsize=32)(set_laws)
 
 
 @dataclass(frozen=True)
@@ -72,12 +63,59 @@ PAPER = Sampling()
 
 
 @dataclass(frozen=True, eq=False)
+class SurfaceState:
+    """The cycle and the push on a surface as it is at one cycle.
+
+    cycle : its number. map : the cycle map, rad. motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and Δy (m, initial
+    object frame) of the push, the periodic cubic spline through pushes computed where the map had to be sampled.
+    slopes : of θ0: (n, 4, 2), derivatives of Δθ, Δx, Δy and the next θ0 by the centre (m0, n0) of the limit ellipse,
+    linear between 36 orientations.
+    """
+
+    cycle: float
+    map: CircleMap
+    motion: Callable[[Array], Array]
+    slopes: Callable[[Array], Array]
+
+
+@lru_cache(maxsize=32)
+def surface_states(material: str, count: int, tolerance: float = MAP_TOLERANCE) -> tuple[SurfaceState, ...]:
+    """Compute the state of a built-in material, or `count` of one that wears, evenly over the cycles of its wear.
+
+    Time: about 2 s each. Raises what the mechanics raise where they have no answer.
+
+    >>> (state,) = surface_states("isotropic", 1, tolerance=1e-3)
+    >>> np.degrees(state.motion(np.array([0.0, 1.0]))[:, 0]).round(3)
+    array([74.52, 74.52])
+    """
+    from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
+
+    loop, found = CollectionLoop.mit(material), []
+    wear = loop.material.wear
+    for cycle in [0.0] if wear is None else np.linspace(0.0, wear.cycles, count).tolist():
+        worn = replace(worn_loop(loop, cycle), accuracy=_ACCURACY)
+        cycle_map = worn.circle_map(tolerance)
+        assert cycle_map.pieces is not None
+        theta = cycle_map.pieces.knots[:-1]
+        runs = worn.cycles(theta)
+        motion = np.column_stack([runs.push_turn, runs.push_displacement])
+        spline = CubicSpline(np.append(theta, theta[0] + TWO_PI), np.vstack([motion, motion[:1]]), bc_type="periodic")
+        places, slopes = TWO_PI * np.arange(_SLOPES + 1) / _SLOPES, []
+        for start in places[:-1].tolist():
+            tangent = worn.sensitivity(start, _OFFSET)
+            slopes.append([[tangent.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS])
+        linear = make_interp_spline(places, [*slopes, slopes[0]], k=1)
+        found.append(SurfaceState(cycle, cycle_map, spline, BSpline(linear.t, linear.c, 1, extrapolate="periodic")))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
 class SampledRun:
     """A run of noisy cycles on one material, each push with its motion.
 
     surface, material : the paper's name, and that of what stands for it. states : one, or several of a surface that
     wears. map : of the cycle. run : the orientations, rad, lifted. pushes : the same as recorded pushes.
-    jitter : (n,), by how much each push's friction was off, over the mean coefficient.
+    jitter : (n, 2), by how much the centre (m0, n0) of each push's limit ellipse was off, over the mean coefficient.
     """
 
     surface: str
@@ -93,44 +131,22 @@ class SampledRun:
         """What the paper says of this material."""
         return published_statistics(self.surface)
 
-    @property
-    def wears(self) -> bool:
-        """Whether the surface changes during the run."""
-        return len(self.states) > 1
-
-    @property
-    def motion_error(self) -> Array:
-        """(3,), the largest difference of a state's pushes from the mechanics: Δθ (rad), Δx, Δy (m)."""
-        return np.asarray(np.max([state.motion_error for state in self.states], axis=0))
-
-    @cached_property
-    def operators(self) -> tuple[TransferOperator, ...]:
-        """The transfer operator of each state's map with the noise."""
-        return tuple(transfer_operator(state.map, NOISE) for state in self.states)
-
-    def density(self, theta: ArrayLike) -> Array:
-        """Stationary density (...), per rad, of θ0 at angles (...); the mean over the cycles where the surface wears.
+    def density(self, theta: Array) -> tuple[Array, float]:
+        """Stationary density (n,), per rad, of θ0 at angles (n,), and a bound on its error; the mean over the wear.
 
         As if each state had been there for ever: a run of finite length need not have forgotten where it began.
         """
-        found = np.array([operator.density(np.asarray(theta, dtype=float)) for operator in self.operators])
-        return np.asarray(np.tensordot(self._weights, found, axes=1))
-
-    @property
-    def density_error(self) -> float:
-        """Bound on the error of ``density``, per rad."""
-        return float(self._weights @ [operator.error_bound for operator in self.operators])
-
-    @property
-    def _weights(self) -> Array:
         weight = np.ones(len(self.states))
-        if self.wears:
+        if weight.size > 1:
             weight[[0, -1]] = 0.5
-        return np.asarray(weight / weight.sum())
+        weight /= weight.sum()
+        operators = [transfer_operator(state.map, NOISE) for state in self.states]
+        density = weight @ np.array([operator.density(theta) for operator in operators])
+        return np.asarray(density), float(weight @ [operator.error_bound for operator in operators])
 
 
 @lru_cache(maxsize=32)
-def sampled_run(material: str, sampling: Sampling = PAPER, seed: int = 0) -> SampledRun:
+def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
     """Return a run of pushes on a built-in material, from the direction that the paper names first, else 0.
 
     θ_{n+1} = f_n(θ_n) + ξ_n, ξ_n normal with the scatter of measured plywood cycles, 1.1 degrees. The cause is taken to
@@ -141,165 +157,56 @@ def sampled_run(material: str, sampling: Sampling = PAPER, seed: int = 0) -> Sam
     Where the material wears, cycle map and push are blended between states evenly spread over the cycles of its wear.
 
     >>> run = sampled_run("pu", Sampling(pushes=50, states=2, tolerance=1e-3))
-    >>> run.pushes.count, run.wears
-    (50, False)
+    >>> run.pushes.count, len(run.states)
+    (50, 1)
     """
     surface = material.split("-")[0]
     start = (*published_statistics(surface).directions, 0.0)[0]
-    found = _states(material, sampling.states, sampling.tolerance)
-    cycle_map = found[0].map if len(found) == 1 else DriftingMap.between([(one.cycle, one.map) for one in found])
-    run = sample_staircase(cycle_map, NOISE, sampling.pushes, start, seed)
-    recorded, jitter = _recorded(material, found, run)
-    return SampledRun(surface, material, found, cycle_map, run, recorded, jitter)
-
-
-@lru_cache(maxsize=32)
-def fitted_laws(pushes: PushSet, harmonics: int | None = None) -> SetLaws:
-    """The laws of Δθ, Δx and Δy over θ0 of a set; one and the same set is fitted once."""
-    return set_laws(pushes, harmonics=harmonics)
-
-
-@lru_cache(maxsize=32)
-def _states(material: str, count: int, tolerance: float) -> tuple[SurfaceState, ...]:
-    loop = CollectionLoop.mit(material)
-    wear = loop.material.wear
-    cycles = [0.0] if wear is None else np.linspace(0.0, wear.cycles, count).tolist()
-    return tuple(surface_state(loop, cycle, tolerance) for cycle in cycles)
-
-
-def _recorded(material: str, states: tuple[SurfaceState, ...], run: Staircase) -> tuple[PushSet, Array]:
-    """The run as a set of recorded pushes, and the jitter (n,) of their friction."""
-    path, cycle = run.theta, np.arange(run.cycles + 1.0)
-    theta, ahead = path[:-1], path[1:]
-    # How much of each state the surface of each cycle has, linear between neighbours.
+    states = surface_states(material, sampling.states, sampling.tolerance)
     places = [state.cycle for state in states]
+    cycle_map = states[0].map if len(states) == 1 else DriftingMap.between([(one.cycle, one.map) for one in states])
+    run = sample_staircase(cycle_map, NOISE, sampling.pushes, start)
+    theta, ahead, cycle = run.theta[:-1], run.theta[1:], np.arange(sampling.pushes + 1.0)
+    # How much of each state the surface of each cycle has, linear between neighbours.
     share = np.array([np.interp(cycle[:-1], places, unit) for unit in np.eye(len(states))])
     kick = ahead - np.einsum("kn,kn->n", share, np.array([state.map(theta) for state in states]))
-    motion = np.einsum("kn,knj->nj", share, np.array([state.push_motion(theta) for state in states]))
-    slopes = np.einsum("kn,knij->nij", share, np.array([state.by_offset(theta) for state in states]))
-    offset = _friction_errors(kick, slopes[:, -1], run.seed)
-    dtheta, dx, dy = (motion + np.einsum("nij,nj->ni", slopes[:, :-1], offset)).T
-    pairs = Theta0Pairs(theta, ahead, path, {}, cycle[:-1], cycle)
-    facts = {"surface": material, "object": "rect1"}
-    pushes = PushSet(f"{material}, simulated", Path(f"simulated {material}"), facts, 1, theta, dtheta, dx, dy, pairs)
-    return pushes, np.hypot(*offset.T) / states[0].mean_friction
-
-
-def _friction_errors(kick: Array, slope: Array, seed: int) -> Array:
-    """Offsets (n, 2) of the friction that turn the cycle by ``kick`` (n,), rad; ``slope`` (n, 2), rad per unit.
-
-    Along the slope an offset is kick / |slope|; across it, where it turns nothing, it is as large on average.
-    """
-    size = np.hypot(*slope.T)
-    along = slope / size[:, np.newaxis]
+    motion = np.einsum("kn,knj->nj", share, np.array([state.motion(theta) for state in states]))
+    slopes = np.einsum("kn,knij->nij", share, np.array([state.slopes(theta) for state in states]))
+    # Along the slope of the next θ0 an offset is kick / |slope|; across it, where it turns nothing, as large.
+    size = np.hypot(*slopes[:, -1].T)
+    along = slopes[:, -1] / size[:, np.newaxis]
     across = np.column_stack([-along[:, 1], along[:, 0]])
-    free = NOISE.sigma * np.random.default_rng((seed, 1)).standard_normal(kick.size)
-    return np.asarray((kick / size)[:, np.newaxis] * along + (free / size)[:, np.newaxis] * across)
-
-
-@dataclass(frozen=True, eq=False)
-class SurfaceState:
-    """The cycle and the push on a surface as it is at one cycle.
-
-    cycle : its number. map : the cycle map, rad. theta : (k,) rad in [0, 2π), orientations of computed pushes.
-    motion : (k, 3), their Δθ (rad), Δx and Δy (m, initial object frame). motion_error : (3,), the largest difference
-    of interpolated pushes from the mechanics at 12 other orientations. slopes : (36, 4, 2), derivatives of Δθ, Δx, Δy
-    and the next θ0 by the centre (m0, n0) of the limit ellipse, evenly round the circle.
-    mean_friction : sqrt(mu_a mu_b).
-    """
-
-    cycle: float
-    map: CircleMap
-    theta: Array
-    motion: Array
-    motion_error: Array
-    slopes: Array
-    mean_friction: float
-
-    def push_motion(self, theta: ArrayLike) -> Array:
-        """(..., 3) of pushes from orientations (...), rad: the periodic cubic spline through the computed ones."""
-        return _periodic_spline(self.theta, self.motion)(_base(theta))
-
-    def by_offset(self, theta: ArrayLike) -> Array:
-        """(..., 4, 2), the derivatives of ``slopes`` at orientations (...), rad, linear between neighbours."""
-        places = 2 * np.pi * np.arange(_SLOPES + 1) / _SLOPES
-        rows = np.concatenate([self.slopes, self.slopes[:1]]).reshape(_SLOPES + 1, -1)
-        angles = _base(theta)
-        found = np.stack([np.interp(angles, places, row) for row in rows.T], axis=-1)
-        return np.asarray(found.reshape(*angles.shape, *self.slopes.shape[1:]))
-
-
-def surface_state(loop: CollectionLoop, cycle: float = 0.0, tolerance: float = MAP_TOLERANCE) -> SurfaceState:
-    """Compute the state of ``loop``'s surface at ``cycle``; pushes are computed where the map had to be sampled.
-
-    Time: about 2 s. Raises what the mechanics raise where they have no answer.
-
-    >>> state = surface_state(CollectionLoop.mit("isotropic"), tolerance=1e-3)
-    >>> np.degrees(state.push_motion([0.0, 1.0])[:, 0]).round(3)
-    array([74.52, 74.52])
-    """
-    frozen = replace(worn_loop(loop, cycle), accuracy=_ACCURACY)
-    cycle_map = frozen.circle_map(tolerance)
-    assert cycle_map.pieces is not None
-    theta = cycle_map.pieces.knots[:-1]
-    motion = _motion(frozen, theta)
-    others = 2 * np.pi * np.mod(_GOLDEN * np.arange(1, _CHECKED + 1), 1.0)
-    error = np.max(np.abs(_periodic_spline(theta, motion)(others) - _motion(frozen, others)), axis=0)
-    law = frozen.material.friction
-    slopes = []
-    for start in (2 * np.pi * np.arange(_SLOPES) / _SLOPES).tolist():
-        found = frozen.sensitivity(start, _OFFSET)
-        slopes.append([[found.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS])
-    mean, pushes = math.sqrt(law.mu_a * law.mu_b), (read_only(theta), read_only(motion), read_only(error))
-    return SurfaceState(cycle, cycle_map, *pushes, read_only(slopes), mean)
-
-
-def _base(theta: ArrayLike) -> Array:
-    return np.asarray(np.mod(np.asarray(theta, dtype=float), 2 * np.pi))
-
-
-def _motion(loop: CollectionLoop, theta: Array) -> Array:
-    runs = loop.cycles(theta)
-    return np.column_stack([runs.push_turn, runs.push_displacement])
-
-
-def _periodic_spline(theta: Array, values: Array) -> Callable[[Array], Array]:
-    from scipy.interpolate import CubicSpline
-
-    whole = np.append(theta, theta[0] + 2 * np.pi)
-    return CubicSpline(whole, np.vstack([values, values[:1]]), bc_type="periodic")  # type: ignore[no-any-return]
+    free = NOISE.sigma * np.random.default_rng((run.seed, 1)).standard_normal(kick.size)
+    offset = (kick / size)[:, np.newaxis] * along + (free / size)[:, np.newaxis] * across
+    dtheta, dx, dy = (motion + np.einsum("nij,nj->ni", slopes[:, :-1], offset)).T
+    pairs = Theta0Pairs(theta, ahead, run.theta, {}, cycle[:-1], cycle)
+    facts, place = {"surface": material, "object": "rect1"}, Path(f"simulated {material}")
+    pushes = PushSet(f"{material}, simulated", place, facts, 1, theta, dtheta, dx, dy, pairs)
+    law = CollectionLoop.mit(material).material.friction
+    jitter = read_only(offset / math.sqrt(law.mu_a * law.mu_b))
+    return SampledRun(surface, material, states, cycle_map, run, pushes, jitter)
 
 
 @dataclass(frozen=True, eq=False)
 class MaterialPushes:
-    """One of the paper's materials. runs : simulated, of each material that stands for it. measured : None without."""
+    """One of the paper's materials.
 
-    surface: str
-    runs: tuple[SampledRun, ...]
-    measured: MeasuredRun | None
+    published : what the paper prints. runs : simulated, of each material that stands for it. sets : of these and, last,
+    the recorded one where it was found, each with the words for where it comes from. recorded : whether it was.
+    """
 
-    @property
-    def published(self) -> PublishedStatistics:
-        """What the paper prints."""
-        return published_statistics(self.surface)
-
-    @property
-    def sets(self) -> list[tuple[str, PushSet]]:
-        """The sets with the words for where they come from, the recorded one last."""
-        found = [(f"simulated, {run.material}", run.pushes) for run in self.runs]
-        return found if self.measured is None else [*found, ("recorded", self.measured.pushes)]
+    published: PublishedStatistics
+    runs: list[SampledRun]
+    sets: list[tuple[str, PushSet]]
+    recorded: bool
 
 
-def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialPushes, ...]:
+def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> list[MaterialPushes]:
     """Simulate pushes on every material and look for recorded ones, in the paper's order."""
-    return tuple(
-        MaterialPushes(
-            surface, tuple(sampled_run(material, sampling) for material in materials), measured_run(measured, surface)
-        )
-        for surface, materials in SIMULATED.items()
-    )
-
-
-def absent(materials: Sequence[MaterialPushes]) -> list[str]:
-    """The materials without recorded pushes."""
-    return [one.surface for one in materials if one.measured is None]
+    found = []
+    for surface, materials in SIMULATED.items():
+        runs, recorded = [sampled_run(material, sampling) for material in materials], measured_run(measured, surface)
+        sets = [(f"simulated, {run.material}", run.pushes) for run in runs]
+        sets += [] if recorded is None else [("recorded", recorded.pushes)]
+        found.append(MaterialPushes(published_statistics(surface), runs, sets, recorded is not None))
+    return found

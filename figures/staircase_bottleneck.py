@@ -28,10 +28,7 @@ from cyclemap.maps import (
     CircleMap,
     SlowPassage,
     StaircaseSummary,
-    StepComparison,
-    Steps,
     WrappedNormal,
-    compare_steps,
     find_steps,
     predict_staircase,
     sample_staircase,
@@ -50,7 +47,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .loop_family import with_ring_at
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.
@@ -66,8 +63,9 @@ class Bottleneck:
     """A map with a bottleneck, and a path through it.
 
     passage : the slowest. prediction : the staircase of map and noise. density : (721,) per rad on [0, 2π] by the
-    transfer operator. path : (m,) rad, unwrapped. steps : its visits of the predicted slow zone; comparison : of these
-    with the prediction. histogram : of the path's directions. bins : medians of measured turns, None of a sampled path.
+    transfer operator. path : (m,) rad, unwrapped. lengths : cycles of its visits of the predicted slow zone that were
+    seen whole; visit : mean and standard deviation of one as predicted, nan where they could not be computed.
+    histogram : of the path's directions. bins : medians of measured turns, None of a sampled path.
     run : (m,) rad, of a measured path: one noisy path from the same start of the map fitted with wear; else None.
     """
 
@@ -78,23 +76,11 @@ class Bottleneck:
     prediction: StaircaseSummary
     density: Array
     path: Array
-    steps: Steps
-    comparison: StepComparison
+    lengths: Array
+    visit: tuple[float, float]
     histogram: AngleHistogram
     bins: TurnBins | None = None
     run: Array | None = None
-
-    @property
-    def lengths(self) -> Array:
-        """Cycles of the visits that were seen whole."""
-        return np.asarray(self.steps.lengths[~self.steps.censored], dtype=float)
-
-    @property
-    def visit(self) -> tuple[float, float]:
-        """Mean and standard deviation (cycles) of a visit as predicted; nan where they could not be computed."""
-        zone = self.prediction.zones[0]
-        mean, spread = zone.visit_cycles, zone.visit_spread
-        return (math.nan if mean is None else mean), (math.nan if spread is None else spread)
 
 
 @dataclass(frozen=True)
@@ -111,7 +97,7 @@ def compute(measured: MeasuredFolder, cycles: int = 20_000, tolerance: float = 1
     circle_map, noise = loop.circle_map(tolerance=tolerance), WrappedNormal(DEFAULT_SIGMA)
     path = sample_staircase(circle_map, noise, cycles, seed=0).theta
     computed = bottleneck(f"computed, ring at {1000 * RADIUS:g} mm", circle_map, DEFAULT_SIGMA, path)
-    file = measured.file(THETA0_FILE)
+    file = measured.find(THETA0_FILE)
     return StaircaseBottleneck(computed, None if file is None else measured_bottleneck(file))
 
 
@@ -144,10 +130,12 @@ def bottleneck(
     if not passages or not prediction.zones:
         raise ConvergenceError(f"{title}: the map has no bottleneck; move the ring nearer to the saddle-node")
     slowest = max(passages, key=lambda passage: passage.passage_cycles)
-    steps = find_steps(path, zones=prediction.zones)
+    steps, zone = find_steps(path, zones=prediction.zones), prediction.zones[0]
+    lengths = steps.lengths[~steps.censored].astype(float)
+    mean, spread = (math.nan if value is None else value for value in (zone.visit_cycles, zone.visit_spread))
     return Bottleneck(
-        title, circle_map, sigma, slowest, prediction, operator.density(_GRID), path, steps,
-        compare_steps(steps, prediction), angle_histogram(path), bins,
+        title, circle_map, sigma, slowest, prediction, operator.density(_GRID), path, lengths, (mean, spread),
+        angle_histogram(path), bins,
     )  # fmt: skip
 
 
@@ -283,6 +271,3 @@ def caption(result: StaircaseBottleneck) -> str:
         f"than noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
         f"{halves[1].mean():.0f}.{climbs}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

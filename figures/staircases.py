@@ -17,7 +17,7 @@ from cyclemap.views.fit_page import CIRCLE
 from cyclemap.views.portrait_page import draw_staircase
 from cyclemap.views.style import PREDICTED_FILL, legend_above
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
 from .measured_sets import measured_theta0, not_found
 from .simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
@@ -32,23 +32,16 @@ class Climb:
     """A path and what it does.
 
     path : (m,) rad, not wrapped, one entry a push. steps : the dwells and steps found in it, without a model.
-    turn_pushes : (k,) pushes that each full turn took, in order, from where the map is fastest.
+    turns : from the first push to the last. turn_pushes : (k,) pushes that each full turn took, in order, from where
+    the map is fastest. first_stay : pushes before the path is first more than 30 degrees from where it began; all,
+    where it never is.
     """
 
     path: Array
     steps: Steps
+    turns: float
     turn_pushes: Array
-
-    @property
-    def turns(self) -> float:
-        """Full turns from the first push to the last."""
-        return float(self.path[-1] - self.path[0]) / TWO_PI
-
-    @property
-    def first_stay(self) -> int:
-        """Pushes before the path is first more than 30 degrees from where it began; all, where it never is."""
-        away = np.abs(self.path - self.path[0]) > AWAY
-        return int(np.argmax(away)) if away.any() else int(self.path.size)
+    first_stay: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,19 +73,13 @@ def compute(
         lower, upper = np.quantile(paths, [0.025, 0.975], axis=0)
         turns = (paths[:, -1] - paths[:, 0]) / TWO_PI
         pairs = measured_theta0(measured, surface)
-        path = None if pairs is None else pairs.path
-        recorded = None if path is None else climb_of(beside(path, run.run.start), level)
+        recorded = None
+        if pairs is not None and pairs.path is not None:
+            # By whole turns as near as may be to where the simulated run starts.
+            beside = pairs.path - TWO_PI * np.round((pairs.path[0] - run.run.start) / TWO_PI)
+            recorded = climb_of(beside, level)
         found.append(MaterialStaircase(run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded))
     return tuple(found)
-
-
-def beside(path: Array, start: float) -> Array:
-    """The path (m,), rad, moved by whole turns so that it starts as near as may be to ``start`` (rad).
-
-    >>> beside(np.array([6.4, 6.5]), 0.0).round(3).tolist()
-    [0.117, 0.217]
-    """
-    return np.asarray(path - TWO_PI * np.round((path[0] - start) / TWO_PI))
 
 
 def climb_of(path: Array, level: float) -> Climb:
@@ -102,12 +89,14 @@ def climb_of(path: Array, level: float) -> Climb:
     >>> round(climb.turns, 3), climb.turn_pushes.tolist(), climb.first_stay
     (2.069, [63, 63], 6)
     """
-    return Climb(path, find_steps(path), np.diff(full_turns(path, level)))
+    away = np.flatnonzero(np.abs(path - path[0]) > AWAY)
+    turns, stay = float(path[-1] - path[0]) / TWO_PI, int((*away, path.size)[0])
+    return Climb(path, find_steps(path), turns, np.diff(full_turns(path, level)), stay)
 
 
 def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials(result, _draw_material)
+    return draw_materials([one.run.surface for one in result], result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
@@ -148,28 +137,19 @@ def _sentence(one: MaterialStaircase) -> str:
 
 def _told(climb: Climb) -> str:
     """The steps, the rests and the turns of one path."""
-    steps, turns = climb.steps, f"ends {_signed(climb.turns)} turns from its start"
+    steps, turns, pushes = climb.steps, f"ends {_signed(climb.turns)} turns from its start", climb.turn_pushes
+    paces = f", the first whole one in {pushes[0]} pushes and the last in {pushes[-1]}" if pushes.size > 1 else ""
     if not steps.levels.size:
-        return f"rests nowhere and {turns}{_paces(climb)}"
+        return f"rests nowhere and {turns}{paces}"
     if not steps.count:
         return f"stays at {float(np.degrees(steps.levels[0])) % 360.0:.0f}° and {turns}"
     heights = np.degrees(steps.heights)
     return (
         f"makes {steps.count} steps of {np.median(heights):.0f}° ({heights.min():.0f}° to {heights.max():.0f}°) after "
         f"rests of {np.median(steps.lengths):.0f} pushes (median; {steps.lengths.min()} to {steps.lengths.max()}) and "
-        f"{turns}{_paces(climb)}"
+        f"{turns}{paces}"
     )
 
 
 def _signed(turns: float) -> str:
     return f"{round(turns, 1) + 0.0:+.1f}"
-
-
-def _paces(climb: Climb) -> str:
-    """The first and the last full turn, where there are more than one."""
-    if climb.turn_pushes.size < 2:
-        return ""
-    return f", the first whole one in {climb.turn_pushes[0]} pushes and the last in {climb.turn_pushes[-1]}"
-
-
-FIGURE = PaperFigure(compute, draw, caption)

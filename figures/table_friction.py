@@ -10,7 +10,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import friction_ellipse_from_scans
 from cyclemap.mechanics import EllipseFriction, load_material
 
-from .catalogue import MeasuredFolder, PaperTable
+from .catalogue import MeasuredFolder
 from .measured_sets import listed, measured_scans, not_found
 from .simulated_collections import SIMULATED
 
@@ -74,7 +74,14 @@ def compute(measured: MeasuredFolder) -> FrictionEllipses:
     rows: list[FrictionRow] = []
     absent, unfitted = [], []
     for surface, materials in SIMULATED.items():
-        rows += [row for material in materials for row in _material_rows(surface, material)]
+        for name in materials:
+            # The fresh surface and, where it wears, the worn one.
+            material = load_material(name)
+            wear, source = material.wear, "inferred from motion" if material.inferred else "paper"
+            fresh = source if wear is None else f"{source}, fresh"
+            rows.append(FrictionRow(surface, name, fresh, material.friction))
+            if wear is not None:
+                rows.append(FrictionRow(surface, name, f"{source}, after {wear.cycles:.0f} pushes", wear.friction))
         scans = measured_scans(measured, surface)
         if scans is None:
             absent.append(surface)
@@ -86,19 +93,6 @@ def compute(measured: MeasuredFolder) -> FrictionEllipses:
         else:
             rows.append(FrictionRow(surface, surface, f"{len(scans)} recorded scans", law.friction()))
     return FrictionEllipses(tuple(rows), tuple(absent), tuple(unfitted))
-
-
-def _material_rows(surface: str, name: str) -> list[FrictionRow]:
-    """The fresh surface and, where it wears, the worn one."""
-    material = load_material(name)
-    source = "inferred from motion" if material.inferred else "paper"
-    if material.wear is None:
-        return [FrictionRow(surface, name, source, material.friction)]
-    worn = f"{source}, after {material.wear.cycles:.0f} pushes"
-    return [
-        FrictionRow(surface, name, f"{source}, fresh", material.friction),
-        FrictionRow(surface, name, worn, material.wear.friction),
-    ]
 
 
 def rows(result: FrictionEllipses) -> list[tuple[str, ...]]:
@@ -130,6 +124,3 @@ def caption(result: FrictionEllipses) -> str:
         not_found("friction scans", result.absent),
     ]
     return " ".join(filter(None, told))
-
-
-TABLE = PaperTable(compute, HEADER, rows, caption)

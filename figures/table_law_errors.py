@@ -2,67 +2,57 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cyclemap.evidence import SetLaws
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 from cyclemap.evidence.tables.set_fit import MotionLaw
 
-from .catalogue import MeasuredFolder, PaperTable
+from .catalogue import MeasuredFolder
 from .measured_sets import listed, not_found
-from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, absent, fitted_laws, material_pushes
+from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, fitted_laws, material_pushes
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")]
 HEADER = ("material", "source", "pushes", *_COLUMNS)
-
-
-@dataclass(frozen=True, eq=False)
-class LawErrors:
-    """The table. materials : with the pushes. laws : (source, laws) of every set of each material."""
-
-    materials: tuple[MaterialPushes, ...]
-    laws: tuple[tuple[tuple[str, SetLaws], ...], ...]
+# A material's pushes, and of each of its sets source and laws.
+LawErrors = list[tuple[MaterialPushes, list[tuple[str, SetLaws]]]]
 
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> LawErrors:
     """Simulate pushes on each material, look for recorded ones, and fit the laws of Δθ, Δx and Δy."""
     materials = material_pushes(measured, sampling)
-    return LawErrors(
-        materials, tuple(tuple((source, fitted_laws(one)) for source, one in each.sets) for each in materials)
-    )
+    return [(each, [(source, fitted_laws(one)) for source, one in each.sets]) for each in materials]
 
 
 def rows(result: LawErrors) -> list[tuple[str, ...]]:
     """The paper's row of each material, then those simulated, then the recorded one where it was found."""
     told = []
-    for each, laws in zip(result.materials, result.laws, strict=True):
-        cells = []
-        given = zip(each.published.rmse, each.published.rmse_percent, QUANTITIES, strict=True)
-        for rmse, percent, (_, _, factor) in given:
+    for each, sets in result:
+        cells, paper = [], each.published
+        for rmse, percent, (_, _, factor) in zip(paper.rmse, paper.rmse_percent, QUANTITIES, strict=True):
             cells += [f"{abs(factor) * rmse:.2f}", f"{percent:.2f}", ""]
-        told.append((each.surface, "paper", str(PUBLISHED_CYCLES), *cells))
-        for source, one in laws:
+        told.append((paper.material, "paper", str(PUBLISHED_CYCLES), *cells))
+        for source, laws in sets:
             cells = []
-            for found, (_, _, factor) in zip(one.laws, QUANTITIES, strict=True):
+            for found, (_, _, factor) in zip(laws.laws, QUANTITIES, strict=True):
                 law = found.law
                 cells += [_error(found, factor)]
                 cells += ["", ""] if law is None else [f"{law.percent:.2f}", str(law.harmonics)]
-            told.append((each.surface, source, str(one.count), *cells))
+            told.append((paper.material, source, str(laws.count), *cells))
     return told
 
 
 def caption(result: LawErrors) -> str:
     """What the rows are, and how much of the paper's errors the simulated scatter explains."""
-    jitter = [float(np.sqrt(np.mean(np.square(run.jitter)))) for each in result.materials for run in each.runs]
+    jitter = [np.sqrt(np.mean(np.sum(run.jitter**2, axis=1))) for each, _ in result for run in each.runs]
     sentences = []
     for index, (name, unit, factor) in enumerate(QUANTITIES):
         errors = []
-        for each, laws in zip(result.materials, result.laws, strict=True):
+        for each, sets in result:
             # The last material simulated is the one that stands for the paper's.
-            law, paper = simulated_laws(laws)[-1].laws[index], abs(factor) * each.published.rmse[index]
-            errors.append(f"{_error(law, factor)} of {paper:.2f} on {each.surface}")
+            law = sets[len(each.runs) - 1][1].laws[index]
+            paper = f"{abs(factor) * each.published.rmse[index]:.2f} on {each.published.material}"
+            errors.append(f"{_error(law, factor)} of {paper}")
         sentences.append(f"{name} ({unit}): {listed(errors)}.")
     told = [
         "Root mean square error of the law of θ0 fitted to the pushes, the number of harmonics chosen by "
@@ -72,18 +62,10 @@ def caption(result: LawErrors) -> str:
         "as makes the next θ0 scatter by 1.1°, and nothing else.",
         *sentences,
         "What is left of the paper's errors may be wear, other scatter of friction and the instruments.",
-        not_found("pushes", absent(result.materials)),
+        not_found("pushes", [each.published.material for each, _ in result if not each.recorded]),
     ]
     return " ".join(filter(None, told))
 
 
 def _error(found: MotionLaw, factor: float) -> str:
     return "no law" if found.law is None else f"{abs(factor) * found.law.rmse:.2f}"
-
-
-def simulated_laws(laws: tuple[tuple[str, SetLaws], ...]) -> list[SetLaws]:
-    """The laws of the simulated sets alone."""
-    return [one for source, one in laws if source.startswith("simulated")]
-
-
-TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -15,7 +15,7 @@ from cyclemap.views.fit_page import CIRCLE, THETA0
 from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
 from .measured_sets import listed, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
@@ -34,12 +34,14 @@ class MaterialDirections:
     """One panel.
 
     run : simulated pushes. simulated : their histogram. density : (721,) per rad at ``CIRCLE``, stationary, of the map
-    with its noise. theta0 : (m,) rad, the recorded orientations, and recorded, their histogram; None where not found.
+    with its noise, known to density_error. theta0 : (m,) rad, the recorded orientations, and recorded, their
+    histogram; None where not found.
     """
 
     run: SampledRun
     simulated: AngleHistogram
     density: Array
+    density_error: float
     theta0: Array | None
     recorded: AngleHistogram | None
 
@@ -50,11 +52,6 @@ class MaterialDirections:
         top = (value >= np.roll(value, 1)) & (value > np.roll(value, -1)) & (value > LEAST_PEAK * UNIFORM)
         places = np.flatnonzero(top)
         return np.asarray(CIRCLE[places[np.argsort(-value[places])]])
-
-    @property
-    def apart(self) -> float | None:
-        """Total variation of the recorded and the simulated orientations; None without recorded ones."""
-        return None if self.theta0 is None else float(total_variation(self.theta0, self.run.pushes.theta))
 
 
 def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
@@ -75,13 +72,13 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
         theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
         recorded = None if theta0 is None else angle_histogram(theta0)
         simulated = angle_histogram(run.pushes.theta)
-        found.append(MaterialDirections(run, simulated, run.density(CIRCLE), theta0, recorded))
+        found.append(MaterialDirections(run, simulated, *run.density(CIRCLE), theta0, recorded))
     return tuple(found)
 
 
 def draw(result: tuple[MaterialDirections, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result, _draw_material)
+    return draw_materials([one.run.surface for one in result], result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:
@@ -113,7 +110,7 @@ def _published(one: MaterialDirections) -> list[float]:
 def caption(result: tuple[MaterialDirections, ...]) -> str:
     """What is drawn, and where each material's histogram has its peaks."""
     count = result[0].run.pushes.count
-    error = max(one.run.density_error for one in result) * PER_DEGREE
+    error = max(one.density_error for one in result) * PER_DEGREE
     told = [
         f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a cycle, and the stationary "
         f"density of the noisy map (within {error:.1g} per degree). Plywood is plywood-measured, "
@@ -139,10 +136,8 @@ def _sentence(one: MaterialDirections) -> str:
     recorded = share_near(one.theta0, one.run.published.directions)
     highest = int(np.argmax(one.recorded.density))
     low, high = np.degrees(one.recorded.edges[highest : highest + 2])
+    apart = float(total_variation(one.theta0, one.run.pushes.theta))
     return (
         f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is {low:.0f}° to "
-        f"{high:.0f}°; the two histograms are {one.apart:.2f} apart in total variation."
+        f"{high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

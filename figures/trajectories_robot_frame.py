@@ -9,9 +9,9 @@ from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
-from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
+from cyclemap.views.style import FORCE, new_figure, picture_style
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .pushed_paths import (
     CYCLES,
     DRAWN,
@@ -20,10 +20,8 @@ from .pushed_paths import (
     crossing_pairs,
     draw_paths,
     material_sentence,
-    panel_title,
     paths_on_four_surfaces,
     shade_bar,
-    turn_shades,
 )
 
 Arc = tuple[float, float]
@@ -84,19 +82,17 @@ def draw(result: RobotFramePaths) -> Figure:
     """Draw four panels on one scale, the crowded directions marked outside the ends of the paths."""
     reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
     window = MM * reach + 2.5 * _MARK_GAP
-    shades = turn_shades(result.surfaces)
     with picture_style():
         figure = new_figure(8.8, 8.4)
+        shades = shade_bar(figure, (0.9, 0.28, 0.018, 0.44), result.surfaces)
         grid = GridSpec(2, 2, figure, left=0.085, right=0.86, bottom=0.065, top=0.94, wspace=0.25, hspace=0.22)
         for number, paths in enumerate(result.surfaces):
             axes = figure.add_subplot(grid[number])
             draw_paths(axes, paths.robot_frame, paths.turn, shades)
             for arc in result.arcs[number]:
                 _mark(axes, paths, arc)
-            axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
-            axes.set(xlim=(-window, window), ylim=(-window, window), title=panel_title(paths))
+            axes.set(xlim=(-window, window), ylim=(-window, window), title=f"{paths.surface}, {paths.origin}")
             axes.set(xlabel="x (mm)", ylabel="y (mm)")
-        shade_bar(figure, (0.9, 0.28, 0.018, 0.44), shades)
         figure.text(0.9, 0.2, "thick arcs:\nwhere pushes\nfrom crowded\nθ0 end", color=FORCE, fontsize=8, va="top")
     return figure
 
@@ -129,6 +125,3 @@ def caption(result: RobotFramePaths) -> str:
         f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
         f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

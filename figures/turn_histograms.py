@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
-from cyclemap.views.style import picture_style, say
+from cyclemap.views.style import say
 
-from .catalogue import MeasuredFolder, PaperFigure
-from .material_panels import as_simulated, material_grid
+from .catalogue import MeasuredFolder
+from .material_panels import as_simulated, draw_materials
 from .measured_sets import measured_run, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
 
@@ -39,11 +39,6 @@ class TurnPanel:
     law: MotionLaw
     histogram: TurnHistogram | None
 
-    @property
-    def name(self) -> str:
-        """The panel's title."""
-        return f"{self.surface}, cycle" if self.whole_cycle else self.surface
-
 
 @dataclass(frozen=True, eq=False)
 class TurnHistograms:
@@ -58,33 +53,29 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DE
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.
     """
-    panels, absent = [], []
+    laws, cycle_laws, absent = [], [], []
     for surface, material in STANDS_FOR.items():
         found = measured_run(measured, surface)
         shown = sampled_run(material, sampling).pushes if found is None else found.pushes
-        panels.append(_panel(surface, found is not None, False, fitted_laws(shown).dtheta, runs))
+        laws.append((surface, found is not None, False, fitted_laws(shown).dtheta))
         if found is None:
             absent.append(surface)
             pairs = measured_theta0(measured, surface)
             if pairs is not None:
                 # θ0 was recorded without its pushes: whole cycles are at hand.
-                panels.append(_panel(surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn), runs))
-    return TurnHistograms(tuple(sorted(panels, key=lambda panel: panel.whole_cycle)), tuple(absent))
-
-
-def _panel(surface: str, recorded: bool, whole_cycle: bool, law: MotionLaw, runs: int) -> TurnPanel:
-    bins = CYCLE_BINS if whole_cycle else PUSH_BINS
-    known = None if law.law is None else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
-    return TurnPanel(surface, recorded, whole_cycle, law, known)
+                cycle_laws.append((surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn)))
+    panels = []
+    for surface, recorded, whole, law in laws + cycle_laws:
+        bins = CYCLE_BINS if whole else PUSH_BINS
+        known = None if law.law is None else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
+        panels.append(TurnPanel(surface, recorded, whole, law, known))
+    return TurnHistograms(tuple(panels), tuple(absent))
 
 
 def draw(result: TurnHistograms) -> Figure:
     """Draw the panels."""
-    with picture_style():
-        figure, places = material_grid([panel.name for panel in result.panels], 2 if len(result.panels) <= 4 else 3)
-        for axes, panel in zip(places.values(), result.panels, strict=True):
-            _draw_panel(axes, panel)
-    return figure
+    names = [f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels]
+    return draw_materials(names, result.panels, _draw_panel)
 
 
 def _draw_panel(axes: Axes, panel: TurnPanel) -> None:
@@ -126,6 +117,3 @@ def _sentence(panel: TurnPanel) -> str:
         f"{found.total_variation:.2f} off in total variation, {chance} the {found.chance_total_variation:.2f} that "
         f"chance makes in 19 of 20 sets, and without its scatter {found.law_alone_total_variation:.2f}."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

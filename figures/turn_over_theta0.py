@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from cyclemap.evidence.tables.set_fit import MotionLaw
 from cyclemap.views.fit_page import CIRCLE, draw_law
 from cyclemap.views.style import INK, QUIET, legend_above
 
-from .catalogue import MeasuredFolder, PaperFigure
+from .catalogue import MeasuredFolder
 from .material_panels import as_simulated, draw_materials
 from .measured_sets import MeasuredRun, listed, measured_run, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
@@ -28,7 +29,8 @@ class MaterialTurns:
 
     run : simulated pushes. measured : the recorded set, None where none was found. law : of the recorded Δθ where
     there are any, else of the simulated. simulated_law : of these. curves : (states, 721) rad, the mechanics' Δθ at
-    ``CIRCLE``, fresh and worn; one where the surface does not wear.
+    ``CIRCLE``, fresh and worn; one where the surface does not wear. arc : rad, the shortest in which 95 % of the
+    simulated pushes start. worst_miss : rad, how far their law lies from the mechanics of the fresh surface, at worst.
     """
 
     run: SampledRun
@@ -36,17 +38,8 @@ class MaterialTurns:
     law: MotionLaw
     simulated_law: MotionLaw
     curves: Array
-
-    @property
-    def arc(self) -> float:
-        """The shortest arc (rad) in which 95 % of the simulated pushes start."""
-        return shortest_arc(self.run.pushes.theta, MOST)
-
-    @property
-    def worst_miss(self) -> float:
-        """How far (rad) the law of the simulated pushes lies from the mechanics of the fresh surface, at worst."""
-        law = self.simulated_law.law
-        return float("nan") if law is None else float(np.max(np.abs(law(CIRCLE) - self.curves[0])))
+    arc: float
+    worst_miss: float
 
 
 def shortest_arc(theta: Array, share: float) -> float:
@@ -69,14 +62,16 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
         simulated = fitted_laws(run.pushes).dtheta
         law = simulated if found is None else fitted_laws(found.pushes).dtheta
         shown = run.states[:: max(len(run.states) - 1, 1)]
-        curves = np.array([state.push_motion(CIRCLE)[:, 0] for state in shown])
-        panels.append(MaterialTurns(run, found, law, simulated, curves))
+        curves = np.array([state.motion(CIRCLE)[:, 0] for state in shown])
+        arc = shortest_arc(run.pushes.theta, MOST)
+        miss = math.nan if simulated.law is None else float(np.max(np.abs(simulated.law(CIRCLE) - curves[0])))
+        panels.append(MaterialTurns(run, found, law, simulated, curves, arc, miss))
     return tuple(panels)
 
 
 def draw(result: tuple[MaterialTurns, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result, _draw_material)
+    return draw_materials([one.run.surface for one in result], result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialTurns) -> None:
@@ -128,6 +123,3 @@ def _sentence(one: MaterialTurns) -> str:
         f"(paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 % of these start on an arc of "
         f"{np.degrees(one.arc):.0f}°."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

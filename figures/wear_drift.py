@@ -1,7 +1,7 @@
 """Figure: the cycle map as plywood wears: its bottleneck opens, and a turn takes fewer and fewer cycles."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
+from cyclemap.evidence.tables.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views.sentences import LONGEST_STAY
 from cyclemap.views.style import (
@@ -27,7 +28,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder, PaperFigure
+from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 
 MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
@@ -46,9 +47,9 @@ class WearDrift:
 
     cycles : (n,). least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is. turns : the
     turn (rad) at `_GRID` at AGES, computed; measured_turns : as fitted, nan where the robot hardly was; None without
-    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. fitted : the measured map
-    and its turns, None without data. error : rad, bound on that of the maps between
-    those computed.
+    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. error : rad, bound on that
+    of the maps between those computed. pace : cycles of each measured turn, beside what the fitted map foretells; None
+    without data.
     """
 
     cycles: Array
@@ -57,9 +58,9 @@ class WearDrift:
     ages: Array
     mean_turn: Array
     error: float
-    fitted: MeasuredCycleMap | None
-    measured_least: Array | None
-    measured_turns: tuple[Array, ...] | None
+    pace: TurnPace | None = None
+    measured_least: Array | None = None
+    measured_turns: tuple[Array, ...] | None = None
 
     @property
     def opened(self) -> float:
@@ -103,13 +104,14 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
     turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
     error = drifting.max_error
     least = np.array([drifting.at(float(age)).turn(_GRID).min() for age in cycles])
-    file = measured.file(THETA0_FILE)
+    computed, file = WearDrift(cycles, least, turns, ages, mean_turn, error), measured.find(THETA0_FILE)
     if file is None:
-        return WearDrift(cycles, least, turns, ages, mean_turn, error, None, None, None)
+        return computed
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
     fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
     seen = tuple(_where_seen(fitted, age) for age in AGES)
-    return WearDrift(cycles, least, turns, ages, mean_turn, error, fitted, fitted_least, seen)
+    pace = None if fitted.forecast is None else fitted.forecast.pace
+    return replace(computed, pace=pace, measured_least=fitted_least, measured_turns=seen)
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
@@ -160,7 +162,7 @@ def _draw_turns(axes: Axes, turns: tuple[Array, ...], looks: tuple[tuple[str, st
 
 def _draw_pace(axes: Axes, result: WearDrift) -> None:
     axes.plot(result.ages, result.cycles_a_turn, "o-", color=PREDICTED, markersize=4, label="computed")
-    pace = None if result.fitted is None or result.fitted.forecast is None else result.fitted.forecast.pace
+    pace = result.pace
     if pace is not None:
         middle = pace.start + 0.5 * pace.measured
         spread = np.abs(np.clip([pace.lower, pace.upper], 1, 1e4) - pace.predicted)
@@ -194,7 +196,7 @@ def caption(result: WearDrift) -> str:
         f"only noise ({math.degrees(DEFAULT_SIGMA):.1f}°) frees it, then the bottleneck opens, and at the end a turn "
         f"takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
     )
-    pace = None if result.fitted is None or result.fitted.forecast is None else result.fitted.forecast.pace
+    pace = result.pace
     if pace is None:
         return f"{told} Of the robot's own turns {NO_DATA}."
     return (
@@ -202,6 +204,3 @@ def caption(result: WearDrift) -> str:
         f"(the measured curves are drawn where it has been within {NEAR} cycles); a map "
         f"fitted to its path, free to wear, holds {100 * pace.inside:.0f} % of them within its 95 % bands."
     )
-
-
-FIGURE = PaperFigure(compute, draw, caption)

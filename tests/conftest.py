@@ -33,7 +33,7 @@ def measured_data() -> Path:
 @pytest.fixture(autouse=True)
 def _silent_progress(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Commands say every few seconds that they go on: on a busy machine, that is no part of what they answer."""
-    if request.path.parent.name == "cli":
+    if request.path.parent.name in ("cli", "docs"):
         monkeypatch.setattr("cyclemap.cli.output.LINE_SECONDS", 3600.0)
 
 

@@ -3,77 +3,68 @@
 import importlib.util
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
 
 
-class Installer:
-    """run.py with its folder moved away and its outside calls recorded instead of made."""
-
-    def __init__(self, run, monkeypatch, folder: Path) -> None:
-        self.run, self.calls = run, []
-        self.outcomes: list[bool] = []
-        venv = folder / ".venv"
-        for name, value in {
-            "ROOT": folder,
-            "VENV": venv,
-            "STAMP": venv / "stamp.json",
-            "PYTHON": venv / "bin" / "python",
-            "pip_works": lambda: self.pip,
-            "rebuild": self.rebuild,
-            "install": self.install,
-            "engine_is_built": lambda: self.engine,
-            "build_engine": self.build_engine,
-        }.items():
-            monkeypatch.setattr(run, name, value)
-        (folder / "pyproject.toml").write_text("[project]\n")
-        (folder / "setup.py").touch()
-        (folder / "constraints.txt").touch()
-        self.pip, self.engine = False, True
-
-    def rebuild(self) -> None:
-        self.calls.append("rebuild")
-        self.run.PYTHON.parent.mkdir(parents=True, exist_ok=True)
-        self.run.PYTHON.touch()
-        self.pip = True
-
-    def install(self, testing: bool, afresh: bool = False) -> bool:
-        self.calls.append(f"install{' testing' * testing}{' afresh' * afresh}")
-        return self.outcomes.pop(0) if self.outcomes else True
-
-    def build_engine(self) -> bool:
-        self.calls.append("build engine")
-        self.engine = self.outcomes.pop(0) if self.outcomes else True
-        return self.engine
-
-    def ensure(self, testing: bool = False) -> list[str]:
-        self.calls.clear()
-        self.run.ensure_installed(testing)
-        return list(self.calls)
-
-
 @pytest.fixture
-def run():
+def run(tmp_path):
+    """run.py, at work in an empty folder."""
     spec = importlib.util.spec_from_file_location("run", ROOT / "run.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    venv = tmp_path / ".venv"
+    module.ROOT, module.VENV, module.STAMP, module.PYTHON = tmp_path, venv, venv / "stamp.json", venv / "bin" / "python"
+    (tmp_path / "pyproject.toml").write_text(
+        '[project]\ndependencies = ["numpy>=2.0.0"]\n[project.optional-dependencies]\npeers = ["drake>=1.51"]\n'
+        '[dependency-groups]\ntest = ["pytest>=9"]\n'
+    )
+    (tmp_path / "constraints.txt").write_text("numpy==2.4.6\npytest==9.2.0\n")
+    (tmp_path / "setup.py").touch()
     return module
 
 
 @pytest.fixture
-def installer(run, monkeypatch, tmp_path) -> Installer:
-    return Installer(run, monkeypatch, tmp_path)
+def installer(run, monkeypatch) -> SimpleNamespace:
+    """Its outside calls are recorded and succeed, but as `outcomes` has it."""
+    made = SimpleNamespace(calls=[], outcomes=[], pip=False, engine=True)
+
+    def called(name: str) -> bool:
+        made.calls.append(name)
+        return made.outcomes.pop(0) if made.outcomes else True
+
+    def rebuild() -> None:
+        made.calls.append("rebuild")
+        run.PYTHON.parent.mkdir(parents=True, exist_ok=True)
+        run.PYTHON.touch()
+        made.pip = True
+
+    def build_engine() -> bool:
+        made.engine = called("build engine")
+        return made.engine
+
+    def ensure(testing: bool = False) -> list[str]:
+        made.calls.clear()
+        run.ensure_installed(testing)
+        return list(made.calls)
+
+    made.ensure = ensure
+    changed = {
+        **{"pip_works": lambda: made.pip, "engine_is_built": lambda: made.engine},
+        **{"rebuild": rebuild, "build_engine": build_engine},
+        "install": lambda testing, afresh=False: called(f"install{' testing' * testing}{' afresh' * afresh}"),
+    }
+    for name, value in changed.items():
+        monkeypatch.setattr(run, name, value)
+    return made
 
 
-def test_first_run_builds_and_the_next_does_nothing(installer) -> None:
+def test_what_is_there_is_not_installed_again_and_test_tools_are_added_once_and_kept(installer, run) -> None:
     assert installer.ensure() == ["rebuild", "install"]
     assert installer.ensure() == []
-
-
-def test_test_tools_are_added_once_and_kept_when_changed_metadata_bring_up_to_date(installer, run) -> None:
-    installer.ensure()
     assert installer.ensure(testing=True) == ["install testing"]
     assert installer.ensure(testing=True) == installer.ensure() == []
     (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
@@ -89,7 +80,11 @@ def test_run_cut_short_is_repaired(installer, run) -> None:
     assert installer.ensure() == ["install afresh", "rebuild", "install"]
 
 
-def test_failed_update_keeps_what_was_there_and_says_so(installer, run) -> None:
+def test_failed_installation_leaves_no_stamp_and_a_failed_update_what_was_there(installer, run) -> None:
+    installer.outcomes = [False]
+    with pytest.raises(run.InstallError, match="could not install"):
+        installer.ensure()
+    assert not run.STAMP.exists()
     installer.ensure()
     (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
     installer.outcomes = [False]
@@ -107,35 +102,16 @@ def test_changed_engine_is_built_without_an_installation(installer, run) -> None
     assert installer.ensure() == []
 
 
-def test_failed_first_installation_leaves_no_stamp(installer, run) -> None:
-    installer.outcomes = [False]
-    with pytest.raises(run.InstallError, match="could not install"):
-        installer.ensure()
-    assert not run.STAMP.exists()
-
-
 @pytest.mark.parametrize(("pins", "numpy"), [("constraints.txt", "2.4.6"), ("floors", "2.0.0"), ("newest", None)])
 def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, numpy) -> None:
     """The tested set, the lower bounds of pyproject.toml, or nothing: for what is installed and what builds it."""
-    (tmp_path / "pyproject.toml").write_text(
-        '[project]\ndependencies = ["numpy>=2.0.0"]\n[project.optional-dependencies]\npeers = ["drake>=1.51"]\n'
-        '[dependency-groups]\ntest = ["pytest>=9"]\n'
-    )
-    (tmp_path / "constraints.txt").write_text("numpy==2.4.6\npytest==9.2.0\n")
     made = []
-    monkeypatch.setattr(run, "ROOT", tmp_path)
-    monkeypatch.setattr(run, "VENV", tmp_path / ".venv")
-    monkeypatch.setattr(run, "STAMP", tmp_path / ".venv" / "stamp.json")
-    monkeypatch.setattr(run, "PYTHON", tmp_path / ".venv" / "bin" / "python")
     if pins != "constraints.txt":
         run.move_to(pins)
         assert {path.parts[len(tmp_path.parts)] for path in (run.VENV, run.STAMP, run.PYTHON)} == {f".venv-{pins}"}
     run.VENV.mkdir()
-    monkeypatch.setattr(
-        run.subprocess,
-        "run",
-        lambda command, env, **_: made.append((command, env)) or run.subprocess.CompletedProcess(command, 0),
-    )
+    done = run.subprocess.CompletedProcess((), 0)
+    monkeypatch.setattr(run.subprocess, "run", lambda command, env, **_: made.append((command, env)) or done)
     assert run.install(testing=True)
     [(command, surroundings)] = made
     assert command[-1] == "pytest>=9"

@@ -26,15 +26,9 @@ class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
     asked: list[str] = field(default_factory=list)
     there: list[str] = field(default_factory=list)
 
-    def file(self, name: str) -> Path | None:
-        """Return the path of the file `name` in the folder; None where it is not there."""
-        return self._noted(name, super().file(name))
-
-    def folder(self, name: str) -> Path | None:
-        """Return the path of the sub-folder `name`; None where it is not there."""
-        return self._noted(name, super().folder(name))
-
-    def _noted(self, name: str, path: Path | None) -> Path | None:
+    def find(self, name: str) -> Path | None:
+        """Return the path of the file or sub-folder `name` in the folder; None where it is not there."""
+        path: Path | None = super().find(name)
         self.asked.append(name)
         if path is not None and name not in self.there:
             self.there.append(name)
@@ -97,22 +91,20 @@ def _make(
     entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str
 ) -> tuple[Json, bool, tuple[str, ...], tuple[tuple[str, ...], ...]]:
     """Make and write one exhibit: its line of the index, whether it asked for measured data, header and rows."""
-    from cyclemap.figures.catalogue import PaperAnimation, PaperFigure
-
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
     rows: tuple[tuple[str, ...], ...] = ()
     header: tuple[str, ...] = ()
-    if isinstance(exhibit, PaperFigure):
+    if hasattr(exhibit, "draw"):
         from cyclemap.views.style import render
 
         suffix, content = picture_format, render(exhibit.draw(result), picture_format)
-    elif isinstance(exhibit, PaperAnimation):
+    elif hasattr(exhibit, "frames"):
         from cyclemap.figures.locking_in import animated_gif
 
         suffix, content = "gif", animated_gif(exhibit.frames(result))
     else:
-        header, rows, text = exhibit.header, tuple(exhibit.rows(result)), io.StringIO()
+        header, rows, text = exhibit.HEADER, tuple(exhibit.rows(result)), io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([header, *rows])
         suffix, content = "csv", text.getvalue().encode()
     path = out / f"{entry.name}.{suffix}"

@@ -1,7 +1,7 @@
 """The gallery's pictures and tables, as `cyclemap figures all --out docs/gallery` left them in docs/gallery.
 
-`figures.json` there is a list of entries, or a table of them by name, each with name, title, source, caption, file and
-the measured data that were used, if any. `{gallery}` shows them all; `{gallery-picture} name` shows one, by its name or
+`figures.json` there lists the entries, each with name, title, source, caption, file and the measured data that were
+used, if any. `{gallery}` shows them all; `{gallery-picture} name` shows one, by its name or
 its file; both say how to make what is not there.
 """
 
@@ -23,13 +23,8 @@ PICTURES = {".png", ".svg", ".gif"}
 
 def entries(folder: Path) -> list[dict[str, Any]]:
     """The entries of figures.json, in order; none where it is not there."""
-    try:
-        listed = json.loads((folder / "figures.json").read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return []
-    if isinstance(listed, dict):
-        listed = listed.get("figures") or [{"name": name, **entry} for name, entry in listed.items()]
-    return list(listed)
+    file = folder / "figures.json"
+    return list(json.loads(file.read_text(encoding="utf-8"))["figures"]) if file.exists() else []
 
 
 class Gallery(SphinxDirective):

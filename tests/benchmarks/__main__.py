@@ -5,7 +5,7 @@ import os
 # As the command line does, and before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from tests.benchmarks import batches, circle_maps, engine, identification
+from tests.benchmarks import circle_maps, engine
 
-for one in (engine, batches, identification, circle_maps):
+for one in (engine, circle_maps):
     one.main()

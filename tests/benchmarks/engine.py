@@ -1,4 +1,4 @@
-"""How fast the engine is: cycles, pushes, derivatives of every footprint, maps and portraits, with ratios.
+"""How fast the engine is: cycles, pushes, derivatives of every footprint, batches, maps, identification and portraits.
 
 Run `python -m tests.benchmarks.engine` from the repository's root, with nothing else running. It prints medians of
 repeated runs and asserts nothing: times are for people. Every row is one core's, but for those that say otherwise.
@@ -17,11 +17,25 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 
-from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint
-from cyclemap.mechanics import Ellipse, Footprint, PatchFootprint, Pose, QuasiStaticModel, SidePush, grid_footprint
+from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint, run_cycles
+from cyclemap.evidence.data_blocks.stroke_block import push_end_block, surface_model
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    Footprint,
+    Material,
+    PatchFootprint,
+    Pose,
+    Slider,
+    WorldPush,
+    grid_footprint,
+)
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, THREADS_VARIABLE, thread_count
@@ -43,6 +57,13 @@ FOOTPRINTS: dict[str, Footprint] = {
     "ellipse, half of it on the rim": PatchFootprint(Ellipse(0.055, 0.035), rim_share=0.5),
     "8 x 8 points": grid_footprint(SQUARE, 8),
 }
+# Of a batch; made anew for each way, so that nothing of the loops is prepared.
+MATERIALS, BATCH = 2_000, np.linspace(-math.pi, math.pi, 8, endpoint=False)
+# Of an identification: how many pushes, from how far off (m), and the step of differences.
+PUSHES, LENGTH, DIFFERENCE = 40, 0.115, 1e-5
+SURFACE = SurfaceParameters(
+    ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, rim_share=0.3, corner_share=0.2, inner_share=0.2
+)
 # What a portrait is measured by: the libraries that it needs, and six labelled panels of its size.
 PANELS = """
 import sys, numpy, matplotlib
@@ -94,13 +115,6 @@ def footprint_rows() -> list[Row]:
     return rows
 
 
-def pushing(model: QuasiStaticModel, push: SidePush, theta: np.ndarray) -> Callable[[], object]:
-    """Pushes alone, without the way back, from many orientations in one call."""
-    strokes = replace(model.push_strokes(Pose(), push), with_object=True)
-    number, poses = np.zeros(theta.size, int), np.column_stack([np.zeros((theta.size, 2)), theta])
-    return lambda: engine.run([strokes], number, poses)
-
-
 def push_rows() -> list[Row]:
     """Pushes at the coarsest accuracy at which no corner of the object ends more than 10 µm off."""
     theta = np.linspace(-math.pi, math.pi, 400)
@@ -112,15 +126,19 @@ def push_rows() -> list[Row]:
         worst = float((moved + half_diagonal * np.abs(found.push_turn - exact.push_turn)).max())
         if worst <= 10e-6:
             note = f"push, corners off by {1e6 * worst:.2g} µm at most (accuracy {accuracy:.1e})"
-            return [row(note, pushing(loop.model, loop.push, theta), theta.size)]
+            # Pushes alone, without the way back, from all orientations in one call.
+            strokes = replace(loop.model.push_strokes(Pose(), loop.push), with_object=True)
+            number, poses = np.zeros(theta.size, int), np.column_stack([np.zeros((theta.size, 2)), theta])
+            return [row(note, partial(engine.run, [strokes], number, poses), theta.size)]
     return []
 
 
 def map_rows() -> list[Row]:
-    """A whole cycle map, on all cores."""
-    maps = [(f"map at {tolerance:g}", MIT, tolerance) for tolerance in (1e-5, 1e-6, 1e-8)]
+    """A whole cycle map, on all cores; and the five numbers of the protocol, for any material."""
+    maps = [(f"map at {tolerance:g}", MIT, tolerance) for tolerance in (1e-3, 1e-5, 1e-6, 1e-8)]
     maps.append(("8 x 8 points, map at 1e-5", replace(MIT, footprint=grid_footprint(SQUARE, 8)), 1e-5))
-    return [Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores") for name, loop, tolerance in maps]
+    rows = [Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores") for name, loop, tolerance in maps]
+    return [*rows, Row("fingerprint", seconds(lambda: fingerprint(MIT), 3), "any material")]
 
 
 def dynamic_rows() -> list[Row]:
@@ -132,12 +150,6 @@ def dynamic_rows() -> list[Row]:
         taken = seconds(lambda moving=moving: moving.cycle(theta), 3)
         rows.append(Row(f"dynamic cycle at tolerance {tolerance:g}", taken, "cycle at 20 mm/s"))
     return rows
-
-
-def fingerprint_rows() -> list[Row]:
-    """The five numbers of the protocol, beside the full map of one material at 1e-3 rad."""
-    full, five = seconds(map_alone(MIT, 1e-3), 3), seconds(lambda: fingerprint(MIT), 3)
-    return [Row("cycle map of plywood at 1e-3 rad", full, "one material"), Row("fingerprint", five, "any material")]
 
 
 def portrait_rows(rounds: int = 5) -> list[Row]:
@@ -157,6 +169,80 @@ def portrait_rows(rounds: int = 5) -> list[Row]:
     return [Row(*row, "a process of its own") for row in zip(commands, taken, strict=True)]
 
 
+def on(threads: int, run: Callable[[], object]) -> Callable[[], object]:
+    """The same on so many threads."""
+
+    def limited() -> object:
+        with patch.dict(os.environ, {THREADS_VARIABLE: str(threads)}):
+            return run()
+
+    return limited
+
+
+def batch_rows(repeats: int = 3) -> list[Row]:
+    """Many materials from a few orientations each, per cycle; preparing the loops is part of every way."""
+
+    def loops() -> list[CollectionLoop]:
+        rng = np.random.default_rng(1)
+        laws = [
+            EllipseFriction(*rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi))
+            for _ in range(MATERIALS)
+        ]
+        return [replace(MIT, material=Material("random", law)) for law in laws]
+
+    cores, cycles = thread_count(), MATERIALS * BATCH.size
+    ways = {
+        "one call, 1 thread": on(1, lambda: run_cycles(loops(), BATCH)),
+        f"one call, {cores} threads": on(cores, lambda: run_cycles(loops(), BATCH)),
+        "a call a loop, 1 thread": on(1, lambda: [loop.cycles(BATCH) for loop in loops()]),
+        f"a call a loop, {cores} threads": on(cores, lambda: [loop.cycles(BATCH) for loop in loops()]),
+        "a call a cycle": lambda: [loop.cycle(t) for loop in loops() for t in BATCH.tolist()],
+    }
+    found = in_turns(list(ways.values()), repeats)
+    told = zip(ways, found, strict=True)
+    return [Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in told]
+
+
+def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
+    """One material from many orientations on one thread and on all: what threads add."""
+    theta = np.linspace(-math.pi, math.pi, cycles)
+    counts = sorted({1, thread_count()})
+    found = in_turns([on(n, lambda: MIT.cycles(theta)) for n in counts], repeats)
+    return [
+        Row(f"{n} thread(s)", taken, f"{found[0] / taken:.2f} times as fast as 1, {cycles:,} cycles")
+        for n, taken in zip(counts, found, strict=True)
+    ]
+
+
+def step_rows() -> list[Row]:
+    """One step of an identification with all parameters free: derivatives by the engine, and by differences.
+
+    Of pushes of MIT's square from random places in random directions, without noise.
+    """
+    rng, slider = np.random.default_rng(0), Slider.mit("rect1")
+    model, made, pushes = surface_model(SURFACE, slider), [], []
+    for number in range(PUSHES):
+        start, way = Pose(theta=float(rng.uniform(-math.pi, math.pi))), float(rng.uniform(-math.pi, math.pi))
+        near = start.to_world(*rng.uniform(-0.02, 0.02, 2).tolist())
+        first = near[0] - LENGTH * math.cos(way), near[1] - LENGTH * math.sin(way)
+        pushes.append((start, WorldPush(first, way, LENGTH)))
+        made.append(MeasuredPush(start, model.push(*pushes[-1]).end, first, near, number))
+    block, given = push_end_block(made, slider), SURFACE.values()
+    values = {name: given.get(name, 0.0) for name in block.parameters}
+
+    def by_differences() -> None:
+        for name in block.parameters:
+            for sign in (-1.0, 1.0):
+                block.residuals({**values, name: values[name] + sign * DIFFERENCE})
+
+    note = f"{PUSHES} pushes, {len(block.parameters)} parameters"
+    return [
+        Row("residuals and derivatives", seconds(lambda: block.residuals(values), 9), note),
+        Row("the pushes alone, one a call", seconds(lambda: [model.push(*one) for one in pushes], 5), note),
+        Row("residuals, derivatives by differences", seconds(by_differences, 1), note),
+    ]
+
+
 def main() -> None:
     """Print the tables."""
     print(f"{processor()}, {thread_count()} cores, {platform.system()}, Python {platform.python_version()}")
@@ -166,8 +252,10 @@ def main() -> None:
     show("pushes to 10 µm", push_rows())
     del os.environ[THREADS_VARIABLE]
     show("with and without inertia", dynamic_rows())
-    show("full map and first order", fingerprint_rows())
     show("maps", map_rows())
+    show(f"{MATERIALS:,} materials x {BATCH.size} orientations, each cycle", batch_rows())
+    show("threads", thread_rows())
+    show("one step of an identification", step_rows())
     show("portraits", portrait_rows())
 
 

@@ -23,21 +23,9 @@ from cyclemap.errors import DoubtfulInput
 sys.path.insert(0, str(Path(__file__).parents[1] / "collection"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "mechanics"))
 from force_balance import check
-from random_loops import Fate, fates, worst_residual
+from random_loops import fates, worst_residual
 
 ALLOWED = 1e-9
-
-
-def told(number: int, index: int, fate: Fate) -> str:
-    """What makes a case again."""
-    loop = replace(fate.loop, footprint=fate.loop.model.pressure)
-    return f"object {number}, case {index}, theta {fate.theta!r}: {loop!r}"
-
-
-def reason(refusal: Exception) -> str:
-    """A refusal by its name and first words, without its numbers."""
-    words = [word for word in str(refusal).split() if not any(sign.isdigit() for sign in word)]
-    return f"{type(refusal).__name__} ({' '.join(words[:7])})"
 
 
 def imbalance(cycle: Cycle) -> float:
@@ -55,17 +43,22 @@ def check_object(seed: int, number: int, count: int, every: int) -> tuple[Counte
     worst, complaints = 0.0, []
     for index, fate in enumerate(fates(seed, number, count)):
         words[fate.word] += 1
+        # What makes the case again.
+        told = f"object {number}, case {index}, theta {fate.theta!r}: "
+        told += repr(replace(fate.loop, footprint=fate.loop.model.pressure))
         if fate.refusal is not None:
-            words[reason(fate.refusal)] += 1
+            # A refusal by its name and first words, without its numbers.
+            plain = [word for word in str(fate.refusal).split() if not any(sign.isdigit() for sign in word)]
+            words[f"{type(fate.refusal).__name__} ({' '.join(plain[:7])})"] += 1
         if fate.word == "failed":
-            complaints.append(f"{type(fate.refusal).__name__}: {fate.refusal}\n  {told(number, index, fate)}")
+            complaints.append(f"{type(fate.refusal).__name__}: {fate.refusal}\n  {told}")
         if fate.word == "done" and index % every == 0:
             cycle = fate.loop.cycle(fate.theta)
             residual = max(worst_residual(cycle), imbalance(cycle))
             words["balanced"] += 1
             worst = max(worst, residual)
             if not residual <= ALLOWED:
-                complaints.append(f"residual {residual:.2e}\n  {told(number, index, fate)}")
+                complaints.append(f"residual {residual:.2e}\n  {told}")
     return words, worst, complaints
 
 
@@ -74,12 +67,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Random cycles across everything that can be asked for.")
     parser.add_argument("--count", type=int, default=10_000, help="cycles")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--objects", type=int, help="objects among which they are shared")
     parser.add_argument("--every", type=int, default=10, help="every so many-th one is balanced")
     asked = parser.parse_args()
     # Rings on long arms and odd surfaces are meant here.
     warnings.simplefilter("ignore", DoubtfulInput)
-    objects = asked.objects or 24 + asked.count // 2000
+    objects = 24 + asked.count // 2000
     words, worst, failures, begun = Counter(), 0.0, 0, time.perf_counter()
     for number in range(objects):
         share = asked.count * (number + 1) // objects - asked.count * number // objects

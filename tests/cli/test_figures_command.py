@@ -4,6 +4,7 @@ import csv
 import io
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from PIL import Image
 from cyclemap.cli import run_figures as command
 from cyclemap.cli.main import run
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Frame, PaperAnimation, PaperFigure, PaperTable, entries
+from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Frame, entries
 from cyclemap.views.style import new_figure
 
 KEYS = ["name", "title", "source", "caption", "file", "measured"]
@@ -33,34 +34,34 @@ def here(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def _figure(fails: bool = False) -> PaperFigure:
+def _figure(fails: bool = False) -> SimpleNamespace:
     """It asks for a data file and counts its lines, or fails."""
 
     def compute(measured):
         if fails:
             raise ConvergenceError("it does not converge; try again")
-        file = measured.file("given.csv")
+        file = measured.find("given.csv")
         return 0 if file is None else len(file.read_text().splitlines())
 
-    return PaperFigure(compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines.")
+    return SimpleNamespace(compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines.")
 
 
-def _table() -> PaperTable:
+def _table() -> SimpleNamespace:
     rows = [("plywood, table I", "0.2545"), ("a surface whose name is longer than a narrow terminal is wide", "0.25")]
-    return PaperTable(
-        compute=lambda _: rows, header=("surface", "μa"), rows=lambda found: found,
+    return SimpleNamespace(
+        compute=lambda _: rows, HEADER=("surface", "μa"), rows=lambda found: found,
         caption=lambda _: "Friction.",
     )  # fmt: skip
 
 
-def _animation() -> PaperAnimation:
+def _animation() -> SimpleNamespace:
     def frames(result):
         for place in range(result):
             pixels = np.full((6, 6, 3), 255, dtype=np.uint8)
             pixels[place] = 0
             yield Frame(pixels, 0.1)
 
-    return PaperAnimation(compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
+    return SimpleNamespace(compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
 
 
 def test_without_a_name_all_are_listed_with_source_and_title(capsys) -> None:

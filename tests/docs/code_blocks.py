@@ -19,7 +19,7 @@ import re
 import shlex
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -49,23 +49,10 @@ class Block:
     why: str | None = None
 
 
-@dataclass
-class PageRun:
-    """What the blocks of one page share. ran : how many of each kind were run."""
-
-    page: Path
-    names: dict[str, Any] = field(default_factory=dict)
-    ran: dict[str, int] = field(default_factory=dict)
-
-
-def pages() -> list[Path]:
-    """Every Markdown page of the site."""
-    return [path for path in sorted(DOCS.rglob("*.md")) if "_build" not in path.parts]
-
-
-def pages_with_blocks() -> list[Path]:
-    """Those that have code."""
-    return [path for path in pages() if any(blocks(path.read_text(encoding="utf-8")))]
+def pages() -> dict[Path, list[Block]]:
+    """Every Markdown page of the site, with its code."""
+    found = [path for path in sorted(DOCS.rglob("*.md")) if "_build" not in path.parts]
+    return {path: list(blocks(path.read_text(encoding="utf-8"))) for path in found}
 
 
 def blocks(text: str) -> Iterator[Block]:
@@ -91,28 +78,23 @@ def blocks(text: str) -> Iterator[Block]:
         number = end + 1
 
 
-def run_page(page: Path) -> PageRun:
-    """Run every block of a page in the current folder; AssertionError names the page, the line and what went wrong."""
-    done = PageRun(page, {"__name__": "page"})
-    for block in blocks(page.read_text(encoding="utf-8")):
-        place = f"{page.relative_to(REPOSITORY)}, line {block.line}"
-        if block.why is not None:
-            check_named(block, place)
-            done.ran["not run"] = done.ran.get("not run", 0) + 1
-            continue
-        assert block.kind in PYTHON | COMMANDS | FILES, f"{place}: a block of unknown kind {block.kind!r}"
-        run_block(block, done, place)
-        done.ran[block.kind] = done.ran.get(block.kind, 0) + 1
-    return done
-
-
-def run_block(block: Block, done: PageRun, place: str) -> None:
-    if block.kind in PYTHON:
-        run_python(block, done.names, place)
+def run_block(block: Block, names: dict[str, Any], place: str) -> None:
+    """Run a block in the current folder, with Python's names; AssertionError tells the place and what went wrong."""
+    if block.why is not None:
+        check_named(block, place)
+    elif block.kind in PYTHON:
+        run_python(block, names, place)
     elif block.kind in COMMANDS:
         run_commands(block, place)
-    elif block.kind in FILES:
-        write_file(block)
+    else:
+        assert block.kind in FILES, f"{place}: a block of unknown kind {block.kind!r}"
+        if block.kind == "toml":
+            tomllib.loads(block.text)
+        if block.caption:
+            path = Path(block.caption)
+            assert not path.is_absolute() and ".." not in path.parts, f"a caption {block.caption!r} outside the folder"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(block.text, encoding="utf-8")
 
 
 def run_python(block: Block, names: dict[str, Any], place: str) -> None:
@@ -176,14 +158,3 @@ def check_command(name: str, words: list[str], place: str) -> None:
     command = cli.commands[name]
     with click.Context(command, info_name=name) as context:
         command.make_parser(context).parse_args(args=list(words))
-
-
-def write_file(block: Block) -> None:
-    """Parse the block, and write it where its caption says."""
-    if block.kind == "toml":
-        tomllib.loads(block.text)
-    if block.caption:
-        path = Path(block.caption)
-        assert not path.is_absolute() and ".." not in path.parts, f"a caption {block.caption!r} outside the folder"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(block.text, encoding="utf-8")

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from gallery import entries
 from PIL import Image
 
 EXTENSIONS = Path(__file__).parents[2] / "docs" / "_extensions"
@@ -78,10 +77,3 @@ def test_an_empty_gallery_says_how_to_make_it(sources):
 def test_a_file_that_is_listed_and_not_there_is_a_warning(sources):
     listed(sources, {**PICTURE, "file": "first-look.png", "measured": None})
     assert "names first-look.png, which is not there" in built(sources)[1]
-
-
-def test_lists_and_tables_of_entries_are_read(tmp_path):
-    assert entries(tmp_path) == []
-    for written in ([{"name": "a"}], {"figures": [{"name": "a"}]}, {"a": {}}):
-        (tmp_path / "figures.json").write_text(json.dumps(written), encoding="utf-8")
-        assert entries(tmp_path) == [{"name": "a"}]

@@ -3,15 +3,16 @@
 import re
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from drawn_words import assert_words_apart, words_of_figure
 from matplotlib.figure import Figure
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, simulate_collection
-from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.pushed_paths import PushedPaths, paths_on_four_surfaces
+from cyclemap.figures.catalogue import MeasuredFolder, load_exhibit
 from cyclemap.figures.simulated_collections import Sampling
 from cyclemap.mechanics import SidePush
 from cyclemap.views.style import render
@@ -24,7 +25,29 @@ RECORDED_ABS, RECORDED_PLYWOOD, SCANS = 24, 20, 144
 CYCLES, DRAWN = 400, 24
 # The fewest that count as a set.
 RECORDED = 20
-UNIT = re.compile(r"\((mm|°|1|N|per degree)\)")
+RUNS = 20
+# Of each exhibit: how its small version is computed.
+_SAMPLED, _PATHS = {"sampling": SMALL}, {"cycles": CYCLES, "drawn": DRAWN}
+OPTIONS: dict[str, dict[str, Any]] = {
+    "trajectories-object-frame": _PATHS,
+    "trajectories-robot-frame": _PATHS,
+    "simulated-against-measured": {"nodes": 24},
+    "turn-over-theta0": _SAMPLED,
+    "theta0-histograms": _SAMPLED,
+    "turn-histograms": {**_SAMPLED, "runs": RUNS},
+    "staircases": {**_SAMPLED, "runs": RUNS},
+    "table-deviations": _SAMPLED,
+    "table-law-errors": _SAMPLED,
+    "anisotropic-against-isotropic": {"batches": 3, "cycles": 5},
+    "dynamic-against-quasi-static": {"orientations": 3, "speeds": (0.01, 0.02, 0.04), "fewer": 1},
+    "fingerprint": {"scales": np.array([1.0, 1 / 8, 1 / 16, 1 / 32]), "rays": np.radians([0.0, 90.0])},
+    "saddle-node": {"nodes": 6, "angles": 48, "count": 8, "counted": (5e-4,)},
+    "phase-diagram": {"nodes": (6, 4), "angles": 16, "shape": (15, 7), "scales": 2, "fingerprints": 6},
+    "staircase-bottleneck": {"cycles": 8_000, "tolerance": 1e-4},
+    "wear-drift": {"points": 5},
+    "locking-in": {"start": np.radians(38.0), "locked": np.radians(3.0), "pace": ((1, 3, 2),), "slow": (2, 2)},
+}
+UNIT = re.compile(r"\((mm|mm/s|°|1|N|per degree)\)")
 DIMENSIONLESS = ("coefficient", "cycle")
 
 
@@ -46,8 +69,9 @@ def recorded_folder(tmp_path_factory) -> MeasuredFolder:
 
 
 @cache
-def small_paths() -> list[PushedPaths]:
-    return paths_on_four_surfaces(MeasuredFolder(None), CYCLES, DRAWN)
+def small(name: str, measured: MeasuredFolder = NOWHERE) -> Any:
+    """The result of the small version of an exhibit."""
+    return load_exhibit(name).compute(measured, **OPTIONS.get(name, {}))
 
 
 def recorded_plywood(factory: pytest.TempPathFactory) -> MeasuredFolder:

@@ -4,20 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import assert_drawn, words_of
 
 from cyclemap.figures import fingerprint as figure
-from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.fingerprint import FIGURE
 
-
-@pytest.fixture(scope="module")
-def result():
-    """The figure's result with fewer scales, and two rays: those of one kind of anisotropy alone."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figure, "SCALES", np.array([1.0, 1 / 8, 1 / 16, 1 / 32]))
-        patch.setattr(figure, "RAYS", np.radians([0.0, 90.0]))
-        return FIGURE.compute(MeasuredFolder(None))
+NAME = "fingerprint"
 
 
 def test_the_predicted_direction_lies_within_the_error_it_states(result) -> None:
@@ -42,11 +32,7 @@ def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_in
     assert np.all((shares > 0.8) & (shares < 1.0))
 
 
-@pytest.mark.slow
-def test_the_picture_has_three_panels_and_a_caption_with_its_numbers(result) -> None:
-    drawn = FIGURE.draw(result)
-    assert_drawn(drawn, 3)
-    assert "order 2.0" in words_of(drawn) and "order 1.0" in words_of(drawn)
-    caption = FIGURE.caption(result)
+def test_the_caption_tells_its_numbers(result) -> None:
+    caption = figure.caption(result)
     for words in ("Ω 8.00°", "59.4° ± 21.1°", "3.8° away, within that error", "power 2.0", "21.3 mm"):
         assert words in caption

@@ -6,17 +6,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from figure_cases import NOWHERE
 from PIL import Image
+from refusals import refused
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.figures import locking_in
-from cyclemap.figures.catalogue import Frame, MeasuredFolder
-from cyclemap.figures.locking_in import ANIMATION, animated_gif, compute
+from cyclemap.figures.catalogue import Frame
+from cyclemap.figures.locking_in import animated_gif
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), math.radians(38.0), math.radians(3.0), pace=((1, 3, 2),), slow=(2, 2))
+NAME = "locking-in"
 
 
 def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_brings_it_nearer(result) -> None:
@@ -47,7 +46,7 @@ def test_the_object_keeps_its_size_and_every_drag_ends_with_the_ring_on_the_targ
 
 @pytest.mark.slow
 def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
-    frames = list(ANIMATION.frames(result))
+    frames = list(locking_in.frames(result))
     assert len(frames) == len(result.moments)
     assert {frame.pixels.shape for frame in frames} == {(410, 720, 3)}
     picture = Image.open(io.BytesIO(animated_gif(frames)))
@@ -65,15 +64,9 @@ def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
 
 
 def test_the_caption_tells_start_end_and_cycles(result) -> None:
-    caption = ANIMATION.caption(result)
+    caption = locking_in.caption(result)
     for part in ("38°", "63°", f"{result.cycles} cycles"):
         assert part in caption
-
-
-def test_a_run_that_does_not_lock_in_is_refused(monkeypatch) -> None:
-    monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
-    with pytest.raises(ConvergenceError, match="do not lock in"):
-        compute(MeasuredFolder(), math.radians(120.0))
 
 
 def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:
@@ -82,27 +75,18 @@ def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:
     return Frame(pixels, seconds)
 
 
-def test_frames_come_back_in_order_with_their_pixels_and_durations() -> None:
-    given = [_frame(place, 0.04 + 0.01 * place) for place in range(4)]
+def test_frames_come_back_in_order_with_their_pixels_and_their_durations_in_hundredths_two_at_least() -> None:
+    given = [_frame(place, seconds) for place, seconds in enumerate((0.0, 0.034, 0.05, 0.07))]
     picture = Image.open(io.BytesIO(animated_gif(given)))
     assert (picture.n_frames, picture.size, picture.info["loop"]) == (4, (12, 8), 0)
-    for number, frame in enumerate(given):
+    for number, (frame, lasts) in enumerate(zip(given, (20, 30, 50, 70), strict=True)):
         picture.seek(number)
-        assert picture.info["duration"] == round(1000 * frame.seconds)
+        assert picture.info["duration"] == lasts
         assert np.abs(np.asarray(picture.convert("RGB"), dtype=int) - frame.pixels).max() <= 6
 
 
-def test_durations_are_hundredths_and_two_of_them_at_least() -> None:
-    picture = Image.open(io.BytesIO(animated_gif([_frame(0, 0.0), _frame(1, 0.034)])))
-    durations = []
-    for number in range(2):
-        picture.seek(number)
-        durations.append(picture.info["duration"])
-    assert durations == [20, 30]
-
-
-def test_no_frames_and_frames_of_two_sizes_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="at least one frame"):
-        animated_gif([])
-    with pytest.raises(InvalidInput, match="one size"):
-        animated_gif([_frame(0), _frame(0, height=9)])
+def test_no_frames_frames_of_two_sizes_and_a_run_that_does_not_lock_in_are_refused(monkeypatch) -> None:
+    refused(animated_gif, [], told="at least one frame")
+    refused(animated_gif, [_frame(0), _frame(0, height=9)], told="one size")
+    monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
+    refused(locking_in.compute, NOWHERE, math.radians(120.0), told="do not lock in", kind=ConvergenceError)

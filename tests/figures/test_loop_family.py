@@ -6,9 +6,10 @@ from functools import partial
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.figures.loop_family import (
     LoopFamily,
     chebyshev_nodes,
@@ -93,9 +94,7 @@ def test_a_fold_of_the_mechanics_is_a_touch_of_the_diagonal() -> None:
 
 
 def test_bad_input_is_refused_by_name_and_a_start_without_fold_does_not_converge() -> None:
-    with pytest.raises(InvalidInput, match="ring radius"):
-        with_ring_at(PLYWOOD, 0.0)
-    with pytest.raises(InvalidInput, match="scale of the anisotropy"):
-        with_anisotropy_times(PLYWOOD, -0.5)
-    with pytest.raises(ConvergenceError, match="no saddle-node"):
-        ring_fold(lambda radius: with_ring_at(with_anisotropy_times(PLYWOOD, 1e-3), radius), 1.0, 0.008)
+    refused(with_ring_at, PLYWOOD, 0.0, told="ring radius")
+    refused(with_anisotropy_times, PLYWOOD, -0.5, told="scale of the anisotropy")
+    flat = partial(with_ring_at, with_anisotropy_times(PLYWOOD, 1e-3))
+    refused(ring_fold, flat, 1.0, 0.008, told="no saddle-node", kind=ConvergenceError)

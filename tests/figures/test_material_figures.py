@@ -1,66 +1,74 @@
 """Figs. 5 to 7 and the staircases, a panel a material: densities, laws and climbs are what the captions say."""
 
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 import pytest
 from drawn_words import assert_words_apart
-from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
+from figure_cases import NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_folder, small
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import total_variation
 from cyclemap.figures import staircases, theta0_histograms, turn_histograms, turn_over_theta0
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
 from cyclemap.figures.simulated_collections import Sampling
 from cyclemap.figures.theta0_histograms import PEAK_WORDS, UNIFORM, share_near
 from cyclemap.views.fit_page import CIRCLE
 
 NAMES = ["plywood", "abs", "delrin", "pu"]
-RUNS = 20
 # Long enough for plywood to climb; the maps are coarse.
 LONG = Sampling(pushes=2000, states=SMALL.states, tolerance=SMALL.tolerance)
 THETA0 = "θ0, orientation before the push (°)"
-# How each is made, and the labels of its panels; a climb is in degrees or in turns.
-FIGURES = {
-    theta0_histograms: (theta0_histograms.compute, {(THETA0, "probability per degree")}),
-    turn_histograms: (partial(turn_histograms.compute, runs=RUNS), {("turn of the push, Δθ (°)", "pushes")}),
-    turn_over_theta0: (turn_over_theta0.compute, {(THETA0, "turn of the push, Δθ (°)")}),
-    staircases: (
-        partial(staircases.compute, runs=RUNS), {("push", "θ0, unwrapped (turns)"), ("push", "θ0, unwrapped (°)")}
-    ),
-}  # fmt: skip
+# The labels of their panels; a climb is in degrees or in turns.
+LABELS = {
+    "theta0-histograms": {(THETA0, "probability per degree")},
+    "turn-histograms": {("turn of the push, Δθ (°)", "pushes")},
+    "turn-over-theta0": {(THETA0, "turn of the push, Δθ (°)")},
+    "staircases": {("push", "θ0, unwrapped (turns)"), ("push", "θ0, unwrapped (°)")},
+}
 
 
 @cache
-def made(module, measured=NOWHERE, sampling=SMALL):
-    return FIGURES[module][0](measured, sampling)
+def climbs(measured=NOWHERE):
+    return staircases.compute(measured, LONG, runs=RUNS)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("module", FIGURES)
-def test_recorded_pushes_are_drawn_where_there_are_any_and_missed_by_name(module, tmp_path_factory) -> None:
-    what, recorded = ("pushes", "θ0")[module in (theta0_histograms, staircases)], recorded_folder(tmp_path_factory)
+@pytest.mark.parametrize("name", LABELS)
+def test_recorded_pushes_are_drawn_where_there_are_any_and_missed_by_name(name, tmp_path_factory) -> None:
+    what, recorded = "pushes" if name.startswith("turn") else "θ0", recorded_folder(tmp_path_factory)
     for measured, absent in ((NOWHERE, "plywood, abs, delrin and pu"), (recorded, "delrin and pu")):
-        result = made(module, measured)
-        figure, told = module.FIGURE.draw(result), module.FIGURE.caption(result)
+        module, result = load_exhibit(name), small(name, measured)
+        figure, told = module.draw(result), module.caption(result)
         assert told.endswith(f"Recorded {what} on {absent}: {NO_DATA}.")
-        assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} <= FIGURES[module][1]
+        assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} <= LABELS[name]
         names = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
         assert ("measured" in names) == (measured is recorded) and len(figure.axes) == 4 and figure.texts == []
         assert_words_apart(figure)
 
 
-# -- Fig. 6 ------------------------------------------------------------------------------------------------
+def test_a_recorded_set_gives_its_turns_its_climb_and_its_theta0(tmp_path_factory) -> None:
+    turns, climb, theta0 = (
+        small(name, recorded_folder(tmp_path_factory))
+        for name in ("turn-histograms", "staircases", "theta0-histograms")
+    )
+    panel = turns.panels[1]
+    assert (panel.surface, panel.recorded, panel.histogram.count) == ("abs", True, RECORDED_ABS)
+    assert f"Of {RECORDED_ABS} pushes recorded on abs" in turn_histograms.caption(turns)
+    assert climb[1].recorded.path.size == RECORDED_ABS and climb[3].recorded is None
+    assert f"The recorded path of {RECORDED_ABS} pushes" in staircases.caption(climb)
+    assert theta0[1].theta0.size == RECORDED_ABS
 
 
 def test_densities_and_histograms_have_area_one() -> None:
-    assert len(made(theta0_histograms)) == 4
-    for one in made(theta0_histograms):
+    assert len(small("theta0-histograms")) == 4
+    for one in small("theta0-histograms"):
         assert np.trapezoid(one.density, CIRCLE) == pytest.approx(1.0, abs=5e-3)
         assert np.sum(one.simulated.density * np.diff(one.simulated.edges)) == pytest.approx(1.0)
 
 
 def test_each_highest_peak_lies_within_17_degrees_of_the_papers_high_one_and_pu_has_none() -> None:
-    *others, pu = made(theta0_histograms)
+    *others, pu = small("theta0-histograms")
     for one in others:
         words = PEAK_WORDS[one.run.surface]
         high = one.run.published.directions[words.index("high" if "high" in words else "only")]
@@ -71,20 +79,18 @@ def test_each_highest_peak_lies_within_17_degrees_of_the_papers_high_one_and_pu_
 
 
 def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
-    found = made(theta0_histograms, MeasuredFolder(measured_data))
+    found = small("theta0-histograms", MeasuredFolder(measured_data))
     plywood, told = found[0], theta0_histograms.caption(found)
     assert plywood.theta0.size == 2000 and found[1].theta0 is None
     assert share_near(plywood.theta0, plywood.run.published.directions) > 0.8
     assert "of the 2000 recorded ones, whose highest bin is 95° to 100°" in told
-    assert f"{plywood.apart:.2f} apart in total variation" in told and 0.0 < plywood.apart < 1.0
+    apart = float(total_variation(plywood.theta0, plywood.run.pushes.theta))
+    assert f"{apart:.2f} apart in total variation" in told and 0.0 < apart < 1.0
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")
 
 
-# -- Fig. 7 ------------------------------------------------------------------------------------------------
-
-
 def test_histograms_count_every_push_as_the_law_does_which_is_nearer_with_its_scatter_than_alone() -> None:
-    result = made(turn_histograms)
+    result = small("turn-histograms")
     assert [panel.surface for panel in result.panels] == NAMES == list(result.absent)
     for panel in result.panels:
         found = panel.histogram
@@ -95,7 +101,7 @@ def test_histograms_count_every_push_as_the_law_does_which_is_nearer_with_its_sc
 
 @pytest.mark.slow
 def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measured_data) -> None:
-    found = made(turn_histograms, MeasuredFolder(measured_data))
+    found = small("turn-histograms", MeasuredFolder(measured_data))
     cycle, told, figure = found.panels[-1], turn_histograms.caption(found), turn_histograms.draw(found)
     assert [panel.whole_cycle for panel in found.panels] == [False] * 4 + [True]
     assert cycle.recorded and cycle.surface == "plywood" and cycle.histogram.count == 1996
@@ -105,11 +111,8 @@ def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measur
     assert_words_apart(figure)
 
 
-# -- Fig. 5 ------------------------------------------------------------------------------------------------
-
-
 def test_curves_are_the_turns_of_the_mechanics() -> None:
-    result, places = made(turn_over_theta0), [90, 400]
+    result, places = small("turn-over-theta0"), [90, 400]
     assert [one.run.surface for one in result] == NAMES
     assert [len(one.curves) for one in result] == [2, 1, 1, 1]
     for one in result:
@@ -119,7 +122,7 @@ def test_curves_are_the_turns_of_the_mechanics() -> None:
 
 def test_the_law_follows_the_mechanics_on_pu_where_pushes_start_all_round_and_not_on_delrin() -> None:
     """Where all pushes start on a narrow arc, the law beyond it is a guess: the bias of the collection."""
-    result = made(turn_over_theta0)
+    result = small("turn-over-theta0")
     misses = {one.run.surface: np.degrees(one.worst_miss) for one in result}
     arcs = {one.run.surface: np.degrees(one.arc) for one in result}
     assert misses["pu"] < 1.5 and arcs["pu"] > 250
@@ -130,7 +133,7 @@ def test_the_law_follows_the_mechanics_on_pu_where_pushes_start_all_round_and_no
 
 
 def test_the_caption_tells_the_error_of_each_law_beside_the_papers() -> None:
-    result = made(turn_over_theta0)
+    result = small("turn-over-theta0")
     for one, paper in zip(result, (2.07, 2.99, 1.28, 1.14), strict=True):
         law = one.simulated_law.law
         off = np.degrees(np.sqrt(np.mean((law(one.law.theta) - one.law.value) ** 2)))
@@ -141,13 +144,13 @@ def test_the_caption_tells_the_error_of_each_law_beside_the_papers() -> None:
 
 @pytest.mark.slow
 def test_recorded_pushes_have_a_law_of_their_own_and_the_measured_data_none(tmp_path_factory, measured_data) -> None:
-    recorded = made(turn_over_theta0, recorded_folder(tmp_path_factory))
+    recorded = small("turn-over-theta0", recorded_folder(tmp_path_factory))
     panel = recorded[1]
     assert panel.measured.pushes.count == RECORDED_ABS
     assert np.array_equal(panel.law.value, panel.measured.pushes.dtheta)
     rmse = np.degrees(panel.law.law.rmse)
     assert f"abs ({RECORDED_ABS} pushes, law within {rmse:.2f}° RMS)" in turn_over_theta0.caption(recorded)
-    assert [one.measured for one in made(turn_over_theta0, MeasuredFolder(measured_data))] == [None] * 4
+    assert [one.measured for one in small("turn-over-theta0", MeasuredFolder(measured_data))] == [None] * 4
 
 
 def test_the_shortest_arc_does_not_mind_where_the_circle_is_cut() -> None:
@@ -157,11 +160,8 @@ def test_the_shortest_arc_does_not_mind_where_the_circle_is_cut() -> None:
     assert turn_over_theta0.shortest_arc(angles, 1.0) == pytest.approx(3.0)
 
 
-# -- staircases --------------------------------------------------------------------------------------------
-
-
 def test_plywood_climbs_in_steps_faster_as_it_wears_pu_never_rests_and_the_others_keep_a_direction() -> None:
-    plywood, one_abs, delrin, pu = (one.climb for one in made(staircases, NOWHERE, LONG))
+    plywood, one_abs, delrin, pu = (one.climb for one in climbs())
     assert plywood.steps.count > 5
     assert np.degrees(np.median(plywood.steps.heights)) == pytest.approx(360.0, abs=5.0)
     assert plywood.turn_pushes[:3].mean() > plywood.turn_pushes[-3:].mean()
@@ -172,14 +172,14 @@ def test_plywood_climbs_in_steps_faster_as_it_wears_pu_never_rests_and_the_other
 
 
 def test_the_range_of_runs_holds_most_of_each_drawn_run() -> None:
-    for one in made(staircases, NOWHERE, LONG):
+    for one in climbs():
         inside = (one.lower - 1e-9 <= one.climb.path) & (one.climb.path <= one.upper + 1e-9)
         assert np.mean(inside) > 0.5, one.run.surface
         assert one.turns.size == RUNS and one.lower.size == LONG.pushes
 
 
 def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(measured_data) -> None:
-    measured = made(staircases, MeasuredFolder(measured_data), LONG)
+    measured = climbs(MeasuredFolder(measured_data))
     recorded, told = measured[0].recorded, staircases.caption(measured)
     assert recorded.turns == pytest.approx(18.0, abs=0.1)
     assert np.degrees(np.median(recorded.steps.heights)) == pytest.approx(360.0, abs=1.0)
@@ -195,20 +195,3 @@ def test_a_climb_counts_its_turns_and_its_first_stay() -> None:
     climb = staircases.climb_of(np.repeat(2 * np.pi * np.arange(5.0), 30), np.pi)
     assert climb.steps.count == 4 and climb.turns == 4.0 and climb.first_stay == 30
     assert climb.turn_pushes.tolist() == [30, 30, 30]
-
-
-def test_a_recorded_set_gives_its_turns(tmp_path_factory) -> None:
-    found = made(turn_histograms, recorded_folder(tmp_path_factory))
-    panel = found.panels[1]
-    assert (panel.surface, panel.recorded, panel.histogram.count) == ("abs", True, RECORDED_ABS)
-    assert f"Of {RECORDED_ABS} pushes recorded on abs" in turn_histograms.caption(found)
-
-
-def test_a_recorded_set_gives_its_climb(tmp_path_factory) -> None:
-    found = made(staircases, recorded_folder(tmp_path_factory))
-    assert found[1].recorded.path.size == RECORDED_ABS and found[3].recorded is None
-    assert f"The recorded path of {RECORDED_ABS} pushes" in staircases.caption(found)
-
-
-def test_a_recorded_set_gives_its_theta0(tmp_path_factory) -> None:
-    assert made(theta0_histograms, recorded_folder(tmp_path_factory))[1].theta0.size == RECORDED_ABS

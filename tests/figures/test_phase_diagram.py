@@ -5,20 +5,17 @@ from functools import partial
 
 import numpy as np
 import pytest
-from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures import phase_diagram
 from cyclemap.figures.loop_family import ring_fold, with_anisotropy_times, with_ring_at
-from cyclemap.figures.phase_diagram import FIGURE, RADII, compute
+from cyclemap.figures.phase_diagram import RADII
 from cyclemap.maps import fixed_points
 
 PLYWOOD = CollectionLoop.mit(material="plywood")
 
 
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), nodes=(6, 4), angles=16, shape=(15, 7), scales=2, fingerprints=6)
+NAME = "phase-diagram"
 
 
 def test_at_the_tip_of_the_tongue_isotropic_friction_turns_the_object_by_nothing(result) -> None:
@@ -73,9 +70,5 @@ def test_the_mit_ring_locks_on_plywood_and_from_the_scale_that_the_caption_tells
     assert result.mit == pytest.approx(0.015)
     for scale, count in ((result.mit_scale - 0.03, 0), (result.mit_scale + 0.03, 2)):
         assert len(fixed_points(with_anisotropy_times(PLYWOOD, scale).circle_map(tolerance=1e-4))) == count
-    assert f"{result.mit_scale:.2f} times Table I" in FIGURE.caption(result)
-    assert "one stable direction" in FIGURE.caption(result)
-
-
-def test_it_is_drawn(result) -> None:
-    assert_drawn(FIGURE.draw(result), 3)
+    assert f"{result.mit_scale:.2f} times Table I" in phase_diagram.caption(result)
+    assert "one stable direction" in phase_diagram.caption(result)

@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small_paths
+from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures.catalogue import MeasuredFolder
@@ -20,17 +20,17 @@ from cyclemap.figures.pushed_paths import (
 
 @pytest.mark.parametrize("number", [1, 3])
 def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> None:
-    paths = small_paths()[number]
+    paths = small("trajectories-object-frame")[number]
     loop = CollectionLoop.mit(paths.material)
     for push in (0, DRAWN // 2, DRAWN - 1):
         cycle = loop.cycle(float(paths.theta0[push]))
         assert paths.turn[push] == pytest.approx(cycle.push_turn, abs=1e-4)
-        assert np.allclose(paths.end[push], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
         assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
 
 
 def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> None:
-    paths = small_paths()[0]
+    paths = small("trajectories-object-frame")[0]
     loop = CollectionLoop.mit("plywood-measured")
     fresh = loop.cycle(float(paths.theta0[0]))
     assert paths.turn[0] == pytest.approx(fresh.push_turn, abs=1e-4)
@@ -39,7 +39,7 @@ def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> No
 
 
 def test_both_frames_tell_the_same_path_turned_by_theta0() -> None:
-    for paths in small_paths():
+    for paths in small("trajectories-object-frame"):
         c, s = np.cos(paths.theta0)[:, None], np.sin(paths.theta0)[:, None]
         x, y = np.moveaxis(paths.object_frame, -1, 0)
         turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)
@@ -59,15 +59,15 @@ def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch
 def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_factory) -> None:
     measured = recorded_plywood(tmp_path_factory)
     paths = recorded_paths(measured, "plywood", 5)
-    assert paths is not None and paths.recorded
+    assert paths is not None
     assert paths.theta0.shape == (5,) and paths.orientations.shape == (RECORDED,)
     loop = CollectionLoop.mit("plywood")
     for push in range(5):
         cycle = loop.cycle(float(paths.theta0[push]))
-        assert np.allclose(paths.end[push], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
         assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
     surfaces = paths_on_four_surfaces(measured, CYCLES, DRAWN)
-    assert [one.recorded for one in surfaces] == [True, False, False, False]
+    assert [one.origin for one in surfaces] == ["recorded", "simulated", "simulated", "simulated"]
 
 
 @pytest.mark.slow

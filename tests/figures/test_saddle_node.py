@@ -4,17 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures import saddle_node
 from cyclemap.figures.loop_family import with_ring_at
-from cyclemap.figures.saddle_node import FIGURE, compute
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), nodes=6, angles=48, count=8, counted=(5e-4,))
+NAME = "saddle-node"
 
 
 def test_the_pair_stands_where_an_independent_solver_found_it_and_meets_above_9_8_mm(result) -> None:
@@ -61,9 +56,7 @@ def test_the_stated_error_holds_on_a_cycle_of_its_own(result) -> None:
     assert abs(loop.cycle(stable).theta_next - stable) < max(3 * result.error, math.radians(0.05))
 
 
-@pytest.mark.slow
-def test_it_is_drawn_and_its_caption_tells_the_fold(result) -> None:
-    assert_drawn(FIGURE.draw(result), 6)
-    caption = FIGURE.caption(result)
+def test_the_caption_tells_the_fold(result) -> None:
+    caption = saddle_node.caption(result)
     for part in ("9.793 mm", "13 mm", "162.", "square root"):
         assert part in caption

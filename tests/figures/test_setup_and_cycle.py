@@ -4,15 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import assert_drawn
 
-from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.setup_and_cycle import FIGURE, draw
+from cyclemap.figures import setup_and_cycle
 
-
-@pytest.fixture(scope="module")
-def result():
-    return FIGURE.compute(MeasuredFolder(None))
+NAME = "setup-and-cycle"
 
 
 def test_the_second_cycle_starts_from_the_pose_in_which_the_first_one_ends(result) -> None:
@@ -44,11 +39,6 @@ def test_both_pushes_are_the_same_in_the_objects_frame_before_the_push(result) -
 
 def test_the_caption_tells_the_numbers_of_design_and_of_the_cycles(result) -> None:
     """At θ0 = 270 degrees on Table I's plywood an independent solver has +72.409 and -49.512 degrees."""
-    told = FIGURE.caption(result)
+    told = setup_and_cycle.caption(result)
     for words in ("90 mm", "150 mm", "18 mm", "15 mm", "270°", "72.4°", "-49.5°", "292.9°"):
         assert words in told
-
-
-@pytest.mark.slow
-def test_the_picture_has_two_full_panels_with_units_and_clear_words(result) -> None:
-    assert_drawn(draw(result), 2)

@@ -5,16 +5,15 @@ import math
 import numpy as np
 import pytest
 from figure_cases import assert_drawn
+from refusals import refused
 
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.figures.catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
-from cyclemap.figures.staircase_bottleneck import FIGURE, bottleneck, compute, measured_bottleneck
+from cyclemap.errors import ConvergenceError
+from cyclemap.figures import staircase_bottleneck
+from cyclemap.figures.catalogue import THETA0_FILE
+from cyclemap.figures.staircase_bottleneck import bottleneck, measured_bottleneck
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), cycles=8_000, tolerance=1e-4)
+NAME = "staircase-bottleneck"
 
 
 def test_no_direction_repeats_and_the_slowest_is_where_the_saddle_node_was(result) -> None:
@@ -43,15 +42,6 @@ def test_the_passage_law_fits_the_predicted_directions_at_the_bottleneck(result)
 
 
 @pytest.mark.slow
-def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
-    assert result.measured is None
-    figure = FIGURE.draw(result)
-    assert not any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
-    assert_drawn(figure, 4)
-    assert NO_DATA in FIGURE.caption(result)
-
-
-@pytest.mark.slow
 def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_shorten(result, measured_data) -> None:
     found = measured_bottleneck(measured_data / THETA0_FILE)
     assert math.degrees(found.passage.theta) == pytest.approx(95.0, abs=5.0)
@@ -65,17 +55,15 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
     assert found.run.shape == found.path.shape
     assert found.run[0] == found.path[0]
     both = type(result)(result.computed, found)
-    assert_drawn(FIGURE.draw(both), 8)
-    assert "95°" in FIGURE.caption(both)
+    assert_drawn(staircase_bottleneck.draw(both), 8)
+    assert "95°" in staircase_bottleneck.caption(both)
 
 
 def test_measured_pairs_without_an_order_are_refused(tmp_path) -> None:
     (tmp_path / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
-    with pytest.raises(InvalidInput, match="no known order"):
-        measured_bottleneck(tmp_path / "pairs.csv")
+    refused(measured_bottleneck, tmp_path / "pairs.csv", told="no known order")
 
 
 def test_a_map_without_bottleneck_is_refused() -> None:
-    path = sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta
-    with pytest.raises(ConvergenceError, match="no bottleneck"):
-        bottleneck("a rotation", CircleMap.rigid(0.1), 0.1, path)
+    turn, path = CircleMap.rigid(0.1), sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta
+    refused(bottleneck, "a rotation", turn, 0.1, path, told="no bottleneck", kind=ConvergenceError)

@@ -4,16 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from figure_cases import NOWHERE, SCANS, recorded_folder
+from figure_cases import SCANS, recorded_folder
 
+from cyclemap.figures import table_friction
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.table_friction import HEADER, TABLE, caption, compute, rows
+from cyclemap.figures.table_friction import HEADER, caption, compute, rows
 from cyclemap.mechanics import material_names
 
-
-@pytest.fixture(scope="module")
-def result():
-    return compute(NOWHERE)
+NAME = "table-friction"
 
 
 def test_the_plywood_row_is_the_papers(result) -> None:
@@ -54,7 +52,7 @@ def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(tmp_p
     assert (scanned[0].mean, scanned[0].axis_ratio, scanned[0].offset) == pytest.approx(
         (found.rows[0].mean, found.rows[0].axis_ratio, found.rows[0].offset), rel=1e-5
     )
-    assert "fitted to recorded friction scans on plywood" in TABLE.caption(found)
+    assert "fitted to recorded friction scans on plywood" in table_friction.caption(found)
 
 
 def test_the_folder_of_measured_data_holds_no_friction_scans(measured_data) -> None:

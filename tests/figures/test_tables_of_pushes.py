@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
+from figure_cases import RECORDED_ABS, SMALL, recorded_folder, small
 
 from cyclemap.figures import table_deviations, table_law_errors
 from cyclemap.figures.catalogue import NO_DATA
 from cyclemap.figures.simulated_collections import sampled_run
-from cyclemap.figures.table_law_errors import simulated_laws
 
 # As printed, of Δθ (°), Δx (mm), Δy (mm): standard deviation and percentage in Table II, RMSE and percentage in III.
 SPREADS = {
@@ -27,12 +26,12 @@ both = pytest.mark.parametrize("module", [table_deviations, table_law_errors])
 
 @pytest.fixture(scope="module")
 def deviations():
-    return table_deviations.compute(NOWHERE, SMALL)
+    return small("table-deviations")
 
 
 @pytest.fixture(scope="module")
 def errors():
-    return table_law_errors.compute(NOWHERE, SMALL)
+    return small("table-law-errors")
 
 
 def test_the_papers_rows_are_those_it_prints(deviations, errors) -> None:
@@ -58,7 +57,7 @@ def test_recorded_pushes_have_a_row_of_their_own(tmp_path_factory, module) -> No
     assert row[2] == str(RECORDED_ABS) and row[3] != ""
     # A law explains pushes without noise to the last digit; their spread stays.
     assert (float(row[4]) > 0.0) == (module is table_deviations)
-    assert module.TABLE.caption(found).endswith(f"Recorded pushes on delrin and pu: {NO_DATA}.")
+    assert module.caption(found).endswith(f"Recorded pushes on delrin and pu: {NO_DATA}.")
 
 
 def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(deviations) -> None:
@@ -70,24 +69,27 @@ def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(d
         assert row[3 + 3 * place : 6 + 3 * place] == (f"{mean:.1f}", f"{std:.2f}", f"{100 * std / mean:.2f}")
 
 
+def simulated_laws(errors):
+    """Published statistics, and source and laws of each simulated set."""
+    return [(each.published, source, laws) for each, sets in errors for source, laws in sets if source != "recorded"]
+
+
 def test_simulated_errors_are_the_residuals_of_the_laws(errors) -> None:
-    cells = iter([row for row in table_law_errors.rows(errors) if row[1].startswith("simulated")])
-    checked = 0
-    for laws in errors.laws:
-        for one in simulated_laws(laws):
-            row = next(cells)
-            for place, (found, unit) in enumerate(zip(one.laws, (180 / np.pi, 1e3, 1e3), strict=True)):
-                off = unit * np.sqrt(np.mean((found.value - found.law(found.theta)) ** 2))
-                assert row[3 + 3 * place] == f"{off:.2f}"
-                assert row[5 + 3 * place] == str(found.law.harmonics)
-                checked += 1
-    assert checked == 15
+    cells = [row for row in table_law_errors.rows(errors) if row[1].startswith("simulated")]
+    found = simulated_laws(errors)
+    assert len(found) == 5
+    for row, (_, source, laws) in zip(cells, found, strict=True):
+        assert row[1] == source
+        for place, (one, unit) in enumerate(zip(laws.laws, (180 / np.pi, 1e3, 1e3), strict=True)):
+            off = unit * np.sqrt(np.mean((one.value - one.law(one.theta)) ** 2))
+            assert row[3 + 3 * place] == f"{off:.2f}"
+            assert row[5 + 3 * place] == str(one.law.harmonics)
 
 
 def test_scatter_of_friction_explains_dy_on_pu_and_less_than_half_of_dtheta_but_on_plywood(errors) -> None:
     """Of plywood the law is of one harmonic over pushes that wear: what it leaves is no scatter alone."""
-    for each, laws in zip(errors.materials, errors.laws, strict=True):
-        law = simulated_laws(laws)[-1]
-        assert (law.dtheta.law.rmse < 0.5 * each.published.rmse[0]) == (each.surface != "plywood")
-    pu = simulated_laws(errors.laws[3])[-1]
-    assert pu.dy.law.rmse == pytest.approx(errors.materials[3].published.rmse[2], rel=0.2)
+    _, *found = simulated_laws(errors)
+    for published, _, laws in found:
+        assert (laws.dtheta.law.rmse < 0.5 * published.rmse[0]) == (published.material != "plywood")
+    pu, _, law = found[-1]
+    assert pu.material == "pu" and law.dy.law.rmse == pytest.approx(pu.rmse[2], rel=0.2)

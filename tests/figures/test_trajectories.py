@@ -1,38 +1,32 @@
 """In the object's frame paths spread as the caption says; in the robot's frame those of different θ0 do not cross."""
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
-from figure_cases import CYCLES, DRAWN, NOWHERE, assert_drawn, recorded_plywood, words_of
+from figure_cases import DRAWN, NOWHERE, assert_drawn, recorded_plywood, small, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import trajectories_object_frame, trajectories_robot_frame
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
+from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
 from cyclemap.figures.trajectories_robot_frame import CROWDED, crowded_arcs
 from cyclemap.maps import WrappedNormal, sample_staircase
 
-both = pytest.mark.parametrize("module", [trajectories_object_frame, trajectories_robot_frame])
-
-
-@cache
-def made(module, measured=NOWHERE):
-    return module.compute(measured, CYCLES, DRAWN)
+OBJECT, ROBOT = "trajectories-object-frame", "trajectories-robot-frame"
 
 
 @pytest.fixture(scope="module")
 def objects():
-    return made(trajectories_object_frame)
+    return small(OBJECT)
 
 
 @pytest.fixture(scope="module")
 def robots():
-    return made(trajectories_robot_frame)
+    return small(ROBOT)
 
 
 def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(objects) -> None:
-    spread = np.array([objects.spread(number) for number in range(4)])
+    spread = np.array([paths.spread for paths in objects])
     assert np.all(spread > 0.0)
     assert np.all(spread[3, [0, 2]] > spread[1:3][:, [0, 2]])
     assert spread[3, 2] > 0.008
@@ -40,9 +34,9 @@ def test_paths_spread_on_every_surface_and_more_on_pu_than_on_abs_and_delrin(obj
 
 
 def test_the_spreads_of_the_caption_are_those_of_the_paths_beside_table_ii(objects) -> None:
-    told = trajectories_object_frame.FIGURE.caption(objects)
+    told = trajectories_object_frame.caption(objects)
     printed = (4.7, 2.8, 8.6), (3.2, 1.6, 5.3), (1.3, 1.0, 3.2), (4.5, 2.9, 11.4)
-    for paths, (a, b, c) in zip(objects.surfaces, printed, strict=True):
+    for paths, (a, b, c) in zip(objects, printed, strict=True):
         turn, (dx, dy) = np.degrees(np.std(paths.turn)), 1000.0 * np.std(paths.object_frame[:, -1], axis=0)
         assert f"{paths.surface} {turn:.1f}° ({a}), {dx:.1f} mm ({b}), {dy:.1f} mm ({c})" in told
 
@@ -52,9 +46,9 @@ def test_on_table_i_a_run_stays_in_one_direction_as_the_caption_says(objects) ->
     table = CollectionLoop.mit("plywood", accuracy=1e-6).circle_map(1e-3)
     run = sample_staircase(table, WrappedNormal(math.radians(1.1)), 500, 0.0, seed=4).theta[100:]
     assert np.ptp(run) < math.radians(50.0)
-    plywood = objects.surfaces[0]
+    plywood = objects[0]
     assert plywood.orientations[-1] - plywood.orientations[0] > 2 * math.pi
-    assert "with Table I a run stays in one direction" in trajectories_object_frame.FIGURE.caption(objects)
+    assert "with Table I a run stays in one direction" in trajectories_object_frame.caption(objects)
 
 
 def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(robots) -> None:
@@ -62,7 +56,7 @@ def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(robots)
     assert pairs > 300
     assert here == 0
     assert there > 0.2 * pairs
-    told = trajectories_robot_frame.FIGURE.caption(robots)
+    told = trajectories_robot_frame.caption(robots)
     assert f"Of {pairs} pairs of paths from orientations 5° or more apart, {here} cross here" in told
     assert f"{there} in the object's frame" in told
 
@@ -82,31 +76,24 @@ def test_arcs_are_found_across_zero_and_nowhere_where_all_directions_are_alike()
 
 
 @pytest.mark.slow
-@both
-def test_recorded_pushes_take_the_place_of_simulated_ones(module, tmp_path_factory) -> None:
-    """Without data caption and panels say so."""
-    found = made(module, recorded_plywood(tmp_path_factory))
-    for result, simulated, absent in (
-        (made(module), 4, "plywood, abs, delrin and pu"),
-        (found, 3, "abs, delrin and pu"),
-    ):
-        told, figure = module.FIGURE.caption(result), module.FIGURE.draw(result)
-        words = words_of(figure).replace("\n", " ")
-        assert f"Recorded pushes on {absent}: {NO_DATA}." in told
-        assert words.count(", simulated") == simulated and words.count("plywood, recorded") == 4 - simulated
-        assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (simulated == 3)
-        assert_drawn(figure, 5)
-
-
-@pytest.mark.slow
-@both
-def test_on_plywood_the_pushes_start_where_the_robots_did(module, measured_data) -> None:
-    """At measured orientations, from the first to the last, and it is said."""
-    found = made(module, MeasuredFolder(measured_data))
-    plywood = found.surfaces[0]
-    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
-    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
-    told, figure = module.FIGURE.caption(found), module.FIGURE.draw(found)
-    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
-    assert "plywood, from measured θ0" in words_of(figure).replace("\n", " ")
+@pytest.mark.parametrize("origin", ["simulated", "recorded", "from measured θ0"])
+@pytest.mark.parametrize("name", [OBJECT, ROBOT])
+def test_captions_and_panels_tell_where_pushes_come_from(name, origin, tmp_path_factory, request) -> None:
+    """Simulated ones, recorded ones in their place, or from measured θ0, where they start as the robot's did."""
+    if origin == "recorded":
+        measured = recorded_plywood(tmp_path_factory)
+    else:
+        measured = NOWHERE if origin == "simulated" else MeasuredFolder(request.getfixturevalue("measured_data"))
+    module, found = load_exhibit(name), small(name, measured)
+    told, figure = module.caption(found), module.draw(found)
+    titles = {f"plywood, {origin}", "abs, simulated", "delrin, simulated", "pu, simulated"}
+    assert titles <= set(words_of(figure).replace(",\n", ", ").split(" | "))
+    absent = "abs, delrin and pu" if origin == "recorded" else "plywood, abs, delrin and pu"
+    assert f"Recorded pushes on {absent}: {NO_DATA}." in told
+    assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (origin == "recorded")
+    assert (f"from {DRAWN} of the 2000 measured orientations of plywood" in told) == (origin == "from measured θ0")
     assert_drawn(figure, 5)
+    if origin == "from measured θ0":
+        plywood = (found if name == OBJECT else found.surfaces)[0]
+        assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
+        assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))

@@ -8,23 +8,22 @@ from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
-from cyclemap.figures.wear_drift import AGES, FIGURE, MATERIAL, compute
+from cyclemap.figures import wear_drift
+from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.figures.wear_drift import AGES, MATERIAL, compute
 from cyclemap.maps import WrappedNormal, fixed_points, transfer_operator
 
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def result():
-    return compute(MeasuredFolder(), points=5)
+NAME = "wear-drift"
 
 
 def test_the_least_turn_grows_and_passes_zero_at_the_cycle_told(result) -> None:
     assert np.all(np.diff(result.least) > 0.0)
     assert np.degrees(result.least[[0, -1]]) == pytest.approx((-1.22, 0.31), abs=0.1)
     assert result.opened == pytest.approx(1059, abs=60)
-    assert f"cycle {result.opened:.0f}" in FIGURE.caption(result)
+    assert f"cycle {result.opened:.0f}" in wear_drift.caption(result)
 
 
 def test_before_that_cycle_a_direction_holds_the_robot_and_after_it_none_does(result) -> None:
@@ -49,18 +48,9 @@ def test_a_turn_takes_fewer_and_fewer_cycles_about_as_many_as_the_robot_took_lat
     assert 15 < result.expected_turns < 22
 
 
-def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
-    figure = FIGURE.draw(result)
-    assert not any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
-    assert_drawn(figure, 3)
-    assert NO_DATA in FIGURE.caption(result)
-
-
 def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data, result) -> None:
     found = compute(MeasuredFolder(measured_data), points=3, runs=8, harmonics=10)
-    assert found.fitted is not None
-    assert found.fitted.forecast is not None
-    pace = found.fitted.forecast.pace
+    pace = found.pace
     assert pace.measured[[0, -1]] == pytest.approx((257, 45), abs=2)
     assert pace.inside > 0.6
     assert found.measured_least is not None and found.least == pytest.approx(result.least)
@@ -68,5 +58,5 @@ def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data, re
     assert found.measured_turns is not None
     assert np.isnan(found.measured_turns[0]).mean() > 0.5
     assert np.isnan(found.measured_turns[2]).mean() < 0.1
-    assert_drawn(FIGURE.draw(found), 4)
-    assert f"took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late" in FIGURE.caption(found)
+    assert_drawn(wear_drift.draw(found), 4)
+    assert f"took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late" in wear_drift.caption(found)

@@ -1,18 +1,16 @@
 """The simulators of the benchmark beside peers: that they solve the same push, by ways that share no code."""
 
 import math
-from dataclasses import fields, replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from cyclemap.mechanics import Pose, SidePush
-from tests.benchmarks.peers import simulators as roster
+from tests.benchmarks.peers import entrants as roster
 from tests.benchmarks.peers.package_push import DYNAMIC, ENGINE
-from tests.benchmarks.peers.plain_push import SCIPY, NumpyPush, NumpySettings
-from tests.benchmarks.peers.push_problem import ANGLES, CORNERS, Distance, Simulator, distance, four_corners, plain_grid
-from tests.benchmarks.peers.settings import run_trial, search
+from tests.benchmarks.peers.plain_push import SCIPY, numpy_push
+from tests.benchmarks.peers.push_problem import ANGLES, Distance, distance, four_corners, plain_grid
 from tests.benchmarks.peers.support_points import Balance, Contact, SupportPoints
 from tests.benchmarks.timing import in_turns
 
@@ -31,10 +29,6 @@ def engine(request):
     if isinstance(found, str):
         pytest.skip(found)
     return found
-
-
-def chosen_runner(simulator: Simulator, problem):
-    return simulator.build(problem, simulator.chosen[problem.name])
 
 
 def test_the_distance_of_poses_is_the_worst_in_place_and_in_turn():
@@ -81,53 +75,42 @@ def test_the_balance_of_forces_changes_as_its_slope_says(problem, cone):
 
 def test_plain_numpy_ends_where_the_engine_does(problem):
     """Forces summed over the points and Runge-Kutta's steps, against the contact curve and exact stick and slip."""
-    peer = NumpyPush(problem, NumpySettings(60, softness=1e-4))
-    off = distance(problem.ends(peer.end_pose, FEW), problem.converged[:FEW])
+    off = distance(problem.ends(numpy_push(problem, 60, softness=1e-4), FEW), problem.converged[:FEW])
     assert off.place_mm < 0.02
     assert off.turn_deg < 0.04
 
 
 def test_more_steps_bring_plain_numpy_nearer():
     problem = four_corners()
-    offs = [
-        distance(problem.ends(NumpyPush(problem, NumpySettings(steps)).end_pose, 2), problem.converged[:2])
-        for steps in (4, 16, 64)
-    ]
+    ends = [problem.ends(numpy_push(problem, steps), 2) for steps in (4, 16, 64)]
+    offs = [distance(found, problem.converged[:2]) for found in ends]
     assert all(more.place_mm < 0.5 * less.place_mm for less, more in pairwise(offs))
 
 
 def test_under_friction_without_directions_turning_the_push_turns_its_end():
-    problem = four_corners()
-    peer = NumpyPush(problem, NumpySettings(20))
-    one, other = (peer.end_pose(Pose(0.0, 0.0, theta), SidePush(angle=ANGLES[1])) for theta in (0.0, 1.0))
+    end_pose = numpy_push(four_corners(), 20)
+    one, other = (end_pose(Pose(0.0, 0.0, theta), SidePush(angle=ANGLES[1])) for theta in (0.0, 1.0))
     np.testing.assert_allclose(Pose(theta=1.0).to_world(one.x, one.y), (other.x, other.y), atol=1e-9)
     assert other.theta == pytest.approx(one.theta + 1.0, abs=1e-7)
 
 
 @pytest.mark.parametrize("simulator", [ENGINE, SCIPY, DYNAMIC], ids=lambda simulator: simulator.name)
-def test_chosen_settings_end_near_converged(simulator, problem):
-    runner = chosen_runner(simulator, problem)
-    assert distance(problem.ends(runner.end_pose, FEW), problem.converged[:FEW]).near
+def test_simulators_end_near_converged(simulator, problem):
+    assert distance(problem.ends(simulator.build(problem), FEW), problem.converged[:FEW]).near
 
 
-def test_the_engines_chosen_settings_end_near_converged(engine):
-    """Rigid bodies with inertia on compliant contacts end where the quasi-static balance of forces has them end."""
+def test_the_engines_end_near_converged_and_repeat_themselves(engine):
+    """Rigid bodies with inertia on compliant contacts, and a push leaves nothing behind that would change the next."""
     problem = four_corners()
-    runner = chosen_runner(engine, problem)
-    assert distance(problem.ends(runner.end_pose, FEW), problem.converged[:FEW]).near
-
-
-def test_the_engines_repeat_themselves(engine):
-    """A push leaves nothing behind that would change the next."""
-    problem = four_corners()
-    runner = chosen_runner(engine, problem)
-    first, again = problem.ends(runner.end_pose, 2), problem.ends(runner.end_pose, 2)
+    end_pose = engine.build(problem)
+    first, again = problem.ends(end_pose, FEW), problem.ends(end_pose, FEW)
+    assert distance(first, problem.converged[:FEW]).near
     assert distance(first, again).place_mm < 1e-3
 
 
 def test_the_engines_refuse_friction_with_directions(engine):
     with pytest.raises(AssertionError):
-        engine.build(plain_grid(), engine.chosen[CORNERS])
+        engine.build(plain_grid())
 
 
 def test_an_engine_that_is_not_installed_is_told_by_name(monkeypatch):
@@ -136,34 +119,7 @@ def test_an_engine_that_is_not_installed_is_told_by_name(monkeypatch):
 
     monkeypatch.setattr(roster, "import_module", missing)
     assert "mujoco takes no part" in str(roster.engine("mujoco"))
-    assert sum(isinstance(known, str) for known in roster.simulators().values()) == 2
-
-
-def test_the_search_looks_only_at_settings_that_exist():
-    found = [known for known in roster.simulators().values() if isinstance(known, Simulator)]
-    assert len(found) >= 4
-    for simulator in found:
-        for settings in simulator.chosen.values():
-            names = {field.name for field in fields(settings)}
-            assert set(simulator.searched) <= names
-            for name, (low, high) in simulator.searched.items():
-                assert low <= getattr(settings, name) <= high
-            assert simulator.finer(settings) != settings
-
-
-@pytest.mark.slow
-def test_the_search_starts_with_the_chosen_settings_and_only_gets_better():
-    trials = list(search(ENGINE, four_corners(), 0.02, seed=1))
-    assert trials[0].settings == ENGINE.chosen[CORNERS]
-    assert all(later.cost < earlier.cost for earlier, later in pairwise(trials))
-
-
-def test_what_is_missing_from_converged_costs_more_than_time():
-    trial = run_trial(ENGINE, four_corners(), ENGINE.chosen[CORNERS])
-    assert trial is not None
-    assert trial.cost == trial.seconds
-    assert replace(trial, own=Distance(0.0, 0.2)).cost > 8.0 * trial.seconds
-    assert replace(trial, off=Distance(math.inf, math.inf)).cost == math.inf
+    assert sum(isinstance(known, str) for known in roster.simulators()) == 2
 
 
 def test_what_is_timed_runs_in_turns():

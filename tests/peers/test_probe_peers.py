@@ -1,14 +1,13 @@
 """What `probe` says of engines: MuJoCo's pyramidal cone pushes by direction, its elliptic one and Drake alike."""
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import Probe, probe, simulated_push
 from cyclemap.mechanics import Pose, SidePush, corner_footprint
-from tests.benchmarks.peers.push_problem import CORNERS, four_corners
+from tests.benchmarks.peers.push_problem import four_corners
 
 PUSHES = 24
 # What the engines' own steps leave in a push of 74 degrees and 80 mm.
@@ -34,19 +33,15 @@ def largest(found: Probe) -> tuple[float, float]:
     return 57.29578 * turn, 1e3 * place
 
 
-def mujoco_push(cone: str) -> Any:
-    mujoco = pytest.importorskip("mujoco")
-    from tests.benchmarks.peers import mujoco_push as peer
+def mujoco_push(cone: str) -> Callable[[Pose, SidePush], Pose]:
+    pytest.importorskip("mujoco")
+    from tests.benchmarks.peers.mujoco_push import MujocoPush
 
-    made = peer.MujocoPush(four_corners(), peer.SIMULATOR.chosen[CORNERS])
-    scene = peer._scene(made.problem, made.settings).replace('cone="elliptic"', f'cone="{cone}"')
-    made.model = mujoco.MjModel.from_xml_string(scene)
-    made.data = mujoco.MjData(made.model)
-    return made
+    return MujocoPush(four_corners(), cone=cone).end_pose
 
 
 def test_the_pyramidal_cone_depends_on_direction_with_a_fourth_harmonic() -> None:
-    found = probed(mujoco_push("pyramidal").end_pose)
+    found = probed(mujoco_push("pyramidal"))
     assert found.found
     assert largest(found)[0] > 5.0
     strongest = max((one for one in found.harmonics if one.outcome == "dtheta"), key=lambda one: one.amplitude)
@@ -54,13 +49,13 @@ def test_the_pyramidal_cone_depends_on_direction_with_a_fourth_harmonic() -> Non
 
 
 def test_the_elliptic_cone_pushes_alike() -> None:
-    turn, place = largest(probed(mujoco_push("elliptic").end_pose))
+    turn, place = largest(probed(mujoco_push("elliptic")))
     assert turn < ALIKE_DEG and place < ALIKE_MM
 
 
 def test_drake_pushes_alike() -> None:
     pytest.importorskip("pydrake")
-    from tests.benchmarks.peers import drake_push as peer
+    from tests.benchmarks.peers.drake_push import drake_push
 
-    turn, place = largest(probed(peer.DrakePush(four_corners(), peer.SIMULATOR.chosen[CORNERS]).end_pose))
+    turn, place = largest(probed(drake_push(four_corners())))
     assert turn < ALIKE_DEG and place < ALIKE_MM

@@ -14,9 +14,8 @@ import argparse
 import platform
 
 from tests.benchmarks.engine import processor
-from tests.benchmarks.peers.entrants import DRAGGED, EVEN, ONE_CALL, Entrant, entrants, even_entrants
+from tests.benchmarks.peers.entrants import DRAGGED, EVEN, ONE_CALL, Entrant, entrants, even_entrants, simulators
 from tests.benchmarks.peers.push_problem import four_corners, plain_grid
-from tests.benchmarks.peers.simulators import simulators
 from tests.benchmarks.timing import Row, in_turns, show
 
 
@@ -50,7 +49,7 @@ def main() -> None:
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     system = f"{platform.system()}, Python {platform.python_version()}"
     print(f"{processor()}, one of {os.cpu_count()} cores, {system}, load {os.getloadavg()[0]:.1f}")
-    for reason in simulators().values():
+    for reason in simulators():
         if isinstance(reason, str):
             print(reason)
     even = even_entrants()

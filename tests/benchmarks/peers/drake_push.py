@@ -1,7 +1,6 @@
 """The push in Drake: a plate on four small spheres, pushed by a heavy rod that keeps its speed."""
 
 import logging
-from dataclasses import dataclass, replace
 from importlib.metadata import version
 
 import numpy as np
@@ -28,7 +27,7 @@ from pydrake.all import (
 from pydrake.all import Simulator as DrakeSimulator
 
 from cyclemap.mechanics import Pose, SidePush
-from tests.benchmarks.peers.push_problem import CORNERS, PushProblem, Simulator
+from tests.benchmarks.peers.push_problem import CORNERS, EndPose, PushProblem, Simulator
 
 # The rod's mass, kg: so much that pushing does not slow it, and no controller has to be called at every step.
 _ROD_MASS = 1e8
@@ -38,49 +37,38 @@ _SETTLE = 0.5
 logging.getLogger("drake").setLevel(logging.ERROR)
 
 
-@dataclass(frozen=True)
-class DrakeSettings:
-    """What the accuracy and the time of a push hang on.
-
-    speed : of the rod, m/s. step : s. floor_stiffness, rod_stiffness : of the contacts, N/m. dissipation : Hunt and
-    Crossley's, s/m. stiction : speed (m/s) below which friction fades. solver : `tamsi`, `lagged` or `similar`; `sap`
-    pushes a contact that slides open, so that the load shifts between the feet and the object ends tens of mm off.
-    """
-
-    speed: float
-    step: float
-    floor_stiffness: float
-    rod_stiffness: float
-    dissipation: float
-    stiction: float
-    solver: str = "tamsi"
+# Of the rod, m/s; of the simulation, s. Then of the contacts, N/m; Hunt and Crossley's, s/m; the speed (m/s) below
+# which friction fades.
+SPEED, STEP = 0.005343, 0.06922
+FLOOR_STIFFNESS, ROD_STIFFNESS, DISSIPATION, STICTION = 5.318e4, 9.061e5, 45.63, 7.967e-7
+# `sap` pushes a contact that slides open, so that the load shifts between the feet and the object ends tens of mm off.
+SOLVER = "tamsi"
 
 
 class DrakePush:
     """One plant, built once, in which pushes are run; raises AssertionError for friction that has directions."""
 
-    def __init__(self, problem: PushProblem, settings: DrakeSettings) -> None:
+    def __init__(self, problem: PushProblem, step: float = STEP) -> None:
         assert problem.friction.mu_a == problem.friction.mu_b and problem.friction.m0 == problem.friction.n0 == 0.0
-        self.problem, self.settings = problem, settings
+        self.problem, self.step = problem, step
         builder = DiagramBuilder()
-        self.plant = _plant(builder, problem, settings)
+        self.plant = _plant(builder, problem, step)
         self.simulator = DrakeSimulator(builder.Build())
         self._context = self.plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
+        # The height at which the plate rests, m, the rod out of its way.
         self._rest = 0.0
-        self._rest = self._settled()
+        self._place(Pose(), (10.0, 0.0), np.zeros(2))
+        self.simulator.AdvanceTo(_SETTLE)
+        self._rest = float(self.plant.GetPositions(self._context)[2])
 
     def end_pose(self, pose: Pose, push: SidePush) -> Pose:
         """The object's pose when the rod stops."""
         place, direction = self.problem.rod_path(pose, push)
-        steps, step = self.steps(push), self.settings.step
-        self._place(pose, place, np.multiply(direction, push.distance / (steps * step)))
-        self.simulator.AdvanceTo((steps - 0.5) * step)  # the first step is taken at once
+        steps = round(push.distance / SPEED / self.step)
+        self._place(pose, place, np.multiply(direction, push.distance / (steps * self.step)))
+        self.simulator.AdvanceTo((steps - 0.5) * self.step)  # the first step is taken at once
         x, y, _, theta = self.plant.GetPositions(self._context)[:4].tolist()
         return Pose(x, y, theta)
-
-    def steps(self, push: SidePush) -> int:
-        """How many steps a push takes."""
-        return round(push.distance / self.settings.speed / self.settings.step)
 
     def _place(self, pose: Pose, rod: tuple[float, float], velocity: np.ndarray) -> None:
         self.simulator.get_mutable_context().SetTime(0.0)
@@ -88,28 +76,20 @@ class DrakePush:
         self.plant.SetVelocities(self._context, [0.0, 0.0, 0.0, 0.0, *velocity])
         self.simulator.Initialize()
 
-    def _settled(self) -> float:
-        """Height at which the plate rests, m, the rod out of its way."""
-        self._place(Pose(), (10.0, 0.0), np.zeros(2))
-        self.simulator.AdvanceTo(_SETTLE)
-        return float(self.plant.GetPositions(self._context)[2])
 
-
-def _plant(builder: DiagramBuilder, problem: PushProblem, settings: DrakeSettings) -> MultibodyPlant:
+def _plant(builder: DiagramBuilder, problem: PushProblem, step: float) -> MultibodyPlant:
     """Plate and rod above the floor; what does not take part in the push is kept from touching."""
     config = MultibodyPlantConfig(
-        time_step=settings.step,
+        time_step=step,
         contact_model="point",
-        discrete_contact_approximation=settings.solver,
-        stiction_tolerance=settings.stiction,
+        discrete_contact_approximation=SOLVER,
+        stiction_tolerance=STICTION,
     )
     plant, scene = AddMultibodyPlant(config, builder)
     plate, rod = _bodies(plant, problem)
     points, _ = problem.footprint.quadrature
-    floor_touch, rod_touch = (
-        _properties(settings, settings.floor_stiffness, problem.friction.mu_a),
-        _properties(settings, settings.rod_stiffness, problem.pusher.friction),
-    )
+    floor_touch = _properties(FLOOR_STIFFNESS, problem.friction.mu_a)
+    rod_touch = _properties(ROD_STIFFNESS, problem.pusher.friction)
     half = float(np.abs(points).max())
     floor = plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "floor", floor_touch)
     feet = [
@@ -153,10 +133,10 @@ def _carried(plant: MultibodyPlant, name: str, axes: int) -> RigidBody:
     return last
 
 
-def _properties(settings: DrakeSettings, stiffness: float, friction: float) -> ProximityProperties:
+def _properties(stiffness: float, friction: float) -> ProximityProperties:
     properties = ProximityProperties()
     AddContactMaterial(
-        dissipation=settings.dissipation,
+        dissipation=DISSIPATION,
         point_stiffness=2.0 * stiffness,
         friction=CoulombFriction(friction, friction),
         properties=properties,
@@ -164,28 +144,9 @@ def _properties(settings: DrakeSettings, stiffness: float, friction: float) -> P
     return properties
 
 
-SIMULATOR = Simulator(
-    "Drake",
-    version("drake"),
-    DrakePush,
-    chosen={
-        # The best of searches by `python -m tests.benchmarks.peers.settings drake`, 3 to 5 minutes from several seeds.
-        CORNERS: DrakeSettings(
-            speed=0.005343,
-            step=0.06922,
-            floor_stiffness=5.318e4,
-            rod_stiffness=9.061e5,
-            dissipation=45.63,
-            stiction=7.967e-7,
-        )
-    },
-    finer=lambda settings: replace(settings, step=settings.step / 8.0),
-    searched={
-        "speed": (0.003, 0.3),
-        "step": (3e-4, 0.1),
-        "floor_stiffness": (10.0, 1e7),
-        "rod_stiffness": (1e3, 1e8),
-        "dissipation": (0.1, 1e4),
-        "stiction": (1e-8, 1e-3),
-    },
-)
+def drake_push(problem: PushProblem, finer: bool = False) -> EndPose:
+    """The push as it is timed; finer with an eighth of the step."""
+    return DrakePush(problem, STEP / 8.0 if finer else STEP).end_pose
+
+
+SIMULATOR = Simulator("Drake", version("drake"), drake_push, (CORNERS,))

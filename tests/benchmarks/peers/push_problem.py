@@ -1,10 +1,9 @@
 """The pushes that every simulator is given, how one is described, and how far off it leaves the object."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
 
 import numpy as np
 
@@ -96,28 +95,18 @@ class PushProblem:
         return pose.to_world(float(place[0]), float(place[1])), (math.cos(direction), math.sin(direction))
 
 
-class Runner(Protocol):
-    """A simulator that is built and warm."""
-
-    def end_pose(self, pose: Pose, push: SidePush) -> Pose:
-        """The object's pose after a push from a pose."""
-
-
 @dataclass(frozen=True)
 class Simulator:
     """One simulator.
 
-    build : from a problem and settings. chosen : settings by the problem's name; it takes part where it has some.
-    finer : settings whose results stand for the limit of ever finer steps, all else being the same. searched : by the
-    settings' names, between which values the search looks.
+    build : from a problem, and whether its results are to stand for its limit of ever finer steps, all else being the
+    same; gives where a push from a pose ends. problems : the names of those in which it takes part.
     """
 
     name: str
     version: str
-    build: Callable[[PushProblem, Any], Runner]
-    chosen: Mapping[str, Any]
-    finer: Callable[[Any], Any]
-    searched: Mapping[str, tuple[float, float]]
+    build: Callable[..., EndPose]
+    problems: tuple[str, ...] = (CORNERS, GRID)
 
 
 def distance(ends: Sequence[Pose], others: Sequence[Pose]) -> Distance:

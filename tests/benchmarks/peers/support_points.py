@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 # Finds the (omega, slip) that balances the forces, from a guess.
 Solve = Callable[["Balance", Array], Array]
+# Of the state (x, y, theta), a unit of the rod's travel, by how far the rod has gone and the state.
+Velocity = Callable[[float, Array], Array]
 
 
 class Contact(NamedTuple):

@@ -1,0 +1,35 @@
+"""Every figure comes out without measured data, and its caption alone tells what was not found."""
+
+import pytest
+from figure_cases import assert_drawn, small, words_of
+
+from cyclemap.figures.catalogue import NO_DATA, load_exhibit
+
+# Panels, bars of shades among them, and whether measured data are drawn where there are some. The figures of four
+# materials and the paths of pushes are drawn in tests of their own.
+FIGURES = {
+    "anisotropic-against-isotropic": (4, False),
+    "dynamic-against-quasi-static": (3, False),
+    "phase-diagram": (3, False),
+    "force-ratio": (1, True),
+    "fingerprint": (3, False),
+    "saddle-node": (6, False),
+    "setup-and-cycle": (2, False),
+    "limit-ellipse-and-patch": (3, True),
+    "simulated-against-measured": (2, True),
+    "staircase-bottleneck": (4, True),
+    "wear-drift": (3, True),
+}
+QUICK = 4
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (k >= QUICK)) for k, name in enumerate(FIGURES)]
+)
+def test_a_figure_is_drawn_without_measured_data_and_its_caption_tells_so(name) -> None:
+    panels, measured = FIGURES[name]
+    exhibit, result = load_exhibit(name), small(name)
+    figure = exhibit.draw(result)
+    assert_drawn(figure, panels)
+    assert NO_DATA not in words_of(figure).lower()
+    assert (NO_DATA in exhibit.caption(result).lower()) == measured
