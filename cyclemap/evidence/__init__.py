@@ -13,7 +13,7 @@ Fitting
 -------
 fit_map, FittedMap : a cycle map from pairs
 fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ, also one that wears
-LawBand, OrderScores : its bands; how well each order predicts what was left out
+LawBand : its bands
 fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path
@@ -73,7 +73,6 @@ if TYPE_CHECKING:
         fit_worn_law,
         measured_staircase,
     )
-    from cyclemap.evidence.laws.linear_fit import OrderScores
     from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
     from cyclemap.evidence.orientations.circular_distance import (
         CircularLaw,
@@ -122,7 +121,7 @@ __all__ += ["CyclePairBlock", "WrenchTwists", "collected_blocks", "drag_turn_blo
 __all__ += ["friction_scan_block", "push_end_block", "read_wrench_twists", "wrench_twist_block"]
 __all__ += ["DataBlock", "FunctionBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
 __all__ += ["identified_material", "identify"]
-__all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "OrderScores", "PeriodicLaw", "WornLaw", "fit_map"]
+__all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
 __all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]

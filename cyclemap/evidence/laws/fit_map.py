@@ -12,15 +12,16 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import LinearFit, cycle_folds, fourier_columns, nested_errors, simplest_good
+from cyclemap.evidence.laws.linear_fit import LinearFit
 from cyclemap.evidence.laws.periodic_law import (
     MAX_HARMONICS,
     PeriodicLaw,
+    candidate_orders,
     fit_periodic_law,
-    fit_with_scatter,
+    fit_series,
     law_of,
     paired_arrays,
-    scatter_weights,
+    series_columns,
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import (
@@ -79,15 +80,10 @@ class WornLaw:
         """The scatter of one value about the law of its own cycle, degrees of freedom counted."""
         return self.whole.sigma
 
-    @property
-    def rmse(self) -> float:
-        """Root mean square of the residuals about the law of each value's own cycle."""
-        return self.whole.rmse
-
     def turns(self, theta: Array, cycle: Array) -> Array:
         """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
         polynomials = _polynomials(cycle, self.first, self.last, self.degree)
-        return np.asarray(_worn_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel())
+        return np.asarray(series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel())
 
     def at(self, cycle: float) -> PeriodicLaw:
         """The law of one cycle (any real number), with the covariance of that cycle's coefficients."""
@@ -129,48 +125,25 @@ def fit_worn_law(
     if np.ptp(cycles) == 0.0:
         raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
-    waves, powers = _candidates("harmonics", harmonics, max_harmonics), _candidates("degree", degree, max_degree)
-    polynomials = _polynomials(cycles, first, last, max(powers))
-    weight, table, order, power = np.ones(values.size), None, waves[0], powers[0]
-    for _ in range(1 if noise_harmonics == 0 else 2):
-        if len(waves) > 1 or len(powers) > 1:
-            # Each degree with all orders, which are nested, by what is left out of the folds.
-            fold, errors = cycle_folds(values.size, seed), []
-            sizes = [(2 * np.array(waves) + 1) * (one + 1) for one in powers]
-            for one, size in zip(powers, sizes, strict=True):
-                design = _worn_columns(angles, polynomials[:, : one + 1], max(waves))
-                errors.append(nested_errors(design, values, size, fold, weight))
-            chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
-            table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
-            order, power = waves[chosen % len(waves)], powers[chosen // len(waves)]
-        design = _worn_columns(angles, polynomials[:, : power + 1], order)
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
-        weight = scatter_weights(angles, log_variance)
+    orders = candidate_orders("harmonics", harmonics, max_harmonics)
+    degrees = candidate_orders("degree", degree, max_degree)
+    polynomials = _polynomials(cycles, first, last, max(degrees))
+    fit, log_variance, order, power, errors = fit_series(
+        angles, values, polynomials, orders, degrees, noise_harmonics, seed
+    )
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)
     covariance = read_only(fit.covariance.reshape(shape + shape).transpose(1, 0, 3, 2))
     plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
     whole = law_of(plain, log_variance, values, None)
     middle = WornLaw(coefficients, first, last, whole, covariance).at(0.5 * (first + last))
-    return WornLaw(coefficients, first, last, middle, covariance, table)
-
-
-def _candidates(name: str, given: int | None, most: int) -> list[int]:
-    if given is not None:
-        return [whole_number(name, given, least=0)]
-    return list(range(whole_number(f"max_{name}", most, least=0) + 1))
+    return WornLaw(coefficients, first, last, middle, covariance, None if errors is None else read_only(errors))
 
 
 def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array:
     """Legendre's polynomials (n, degree + 1) of the cycles, held at the ends of [first, last]."""
     scaled = np.clip((2.0 * cycles - first - last) / (last - first), -1.0, 1.0)
     return np.asarray(np.polynomial.legendre.legvander(scaled, degree))
-
-
-def _worn_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
-    """Each Fourier column times each polynomial, the polynomials innermost: orders are nested for one degree."""
-    columns = fourier_columns(angles, harmonics)
-    return (columns[:, :, np.newaxis] * polynomials[:, np.newaxis, :]).reshape(angles.size, -1)
 
 
 @dataclass(frozen=True, eq=False)

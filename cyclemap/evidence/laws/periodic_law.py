@@ -13,11 +13,9 @@ from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
     LinearFit,
-    OrderScores,
     cycle_folds,
     fit_linear,
     fourier_columns,
-    fourier_slopes,
     nested_errors,
     simplest_good,
     student_quantile,
@@ -162,7 +160,8 @@ class PeriodicLaw:
     count : values fitted. rmse : root mean square residual. mean, total_std : of the values themselves.
     lag_correlation : correlation of each residual with the next in order of recording; far from 0, the covariance,
         that of independent residuals, is too small.
-    scores : the cross-validation, by order; None where the order was given.
+    rmse_by_order : (orders,) root mean square error in values left out, by order, inf where it cannot be fitted; None
+        where the order was given.
     """
 
     coefficients: Array
@@ -174,7 +173,7 @@ class PeriodicLaw:
     mean: float
     total_std: float
     lag_correlation: float
-    scores: OrderScores | None = None
+    rmse_by_order: Array | None = None
 
     def __post_init__(self) -> None:
         size = finite_array("coefficients", self.coefficients, ndim=1).size
@@ -212,7 +211,9 @@ class PeriodicLaw:
 
     def slope(self, theta: Any) -> Array:
         """dy/dθ, per radian."""
-        return np.asarray(fourier_slopes(theta, self.harmonics) @ self.coefficients)
+        order = np.arange(self.harmonics + 1)
+        multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
+        return np.asarray(np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine))
 
     def standard_error(self, theta: Any) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
@@ -264,25 +265,56 @@ def fit_periodic_law(
     ([2.0, 1.0], 1.0)
     """
     angles, values = paired_arrays("value", theta, value)
-    most = whole_number("max_harmonics", max_harmonics, least=0)
-    if harmonics is not None:
-        design = fourier_columns(angles, whole_number("harmonics", harmonics, least=0))
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
-        return law_of(fit, log_variance, values, None)
-    weight, fold = np.ones(values.size), cycle_folds(values.size, seed)
-    highest = min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2)
-    for _ in range(1 if noise_harmonics == 0 else 2):
-        columns = fourier_columns(angles, highest)
-        sizes = np.arange(1, columns.shape[1] + 1, 2)
-        chosen, mean = simplest_good(nested_errors(columns, values, sizes, fold, weight), sizes, fold)
-        scores = OrderScores(np.arange(sizes.size), read_only(np.sqrt(mean)), chosen)
-        design = fourier_columns(angles, chosen)
+    orders = candidate_orders("harmonics", harmonics, max_harmonics)
+    fit, log_variance, _, _, errors = fit_series(
+        angles, values, np.ones((values.size, 1)), orders, [0], noise_harmonics, seed
+    )
+    return law_of(fit, log_variance, values, None if errors is None else read_only(errors[0]))
+
+
+def candidate_orders(name: str, given: int | None, most: int) -> list[int]:
+    """The order that is given, or all up to ``most``."""
+    if given is not None:
+        return [whole_number(name, given, least=0)]
+    return list(range(whole_number(f"max_{name}", most, least=0) + 1))
+
+
+def series_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
+    """Each Fourier column times each of the polynomials (n, m), these innermost: orders are nested for one degree."""
+    columns = fourier_columns(angles, harmonics)
+    return (columns[:, :, np.newaxis] * polynomials[:, np.newaxis, :]).reshape(angles.size, -1)
+
+
+def fit_series(
+    angles: Array, values: Array, polynomials: Array, orders: list[int], degrees: list[int],
+    noise_harmonics: int | None, seed: int,
+) -> tuple[LinearFit, Array, int, int, Array | None]:  # fmt: skip
+    """Fit a Fourier series whose coefficients are sums of polynomials (n, m): fit, log-variance, order, degree, errors.
+
+    Order and degree are the one-standard-error choice from the candidates, which begin with 0 where there are several;
+    the errors (degrees, orders) are the root mean squares in values left out, None without a choice. With scatter that
+    depends on θ the choice is made again, with the weights of the first.
+    """
+    weight, errors, order, degree = np.ones(values.size), None, orders[0], degrees[0]
+    choice = len(orders) > 1 or len(degrees) > 1
+    for _ in range(2 if choice and noise_harmonics != 0 else 1):
+        if choice:
+            # Each degree with all orders, which are nested, by what is left out of the folds.
+            fold, squares = cycle_folds(values.size, seed), []
+            sizes = [(2 * np.array(orders) + 1) * (one + 1) for one in degrees]
+            for one, size in zip(degrees, sizes, strict=True):
+                design = series_columns(angles, polynomials[:, : one + 1], max(orders))
+                squares.append(nested_errors(design, values, size, fold, weight))
+            chosen, mean = simplest_good(np.hstack(squares), np.concatenate(sizes), fold)
+            errors = np.sqrt(mean).reshape(len(degrees), len(orders))
+            order, degree = orders[chosen % len(orders)], degrees[chosen // len(orders)]
+        design = series_columns(angles, polynomials[:, : degree + 1], order)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
-    return law_of(fit, log_variance, values, scores)
+    return fit, log_variance, order, degree, errors
 
 
-def law_of(fit: LinearFit, log_variance: Array, values: Array, scores: OrderScores | None) -> PeriodicLaw:
+def law_of(fit: LinearFit, log_variance: Array, values: Array, rmse_by_order: Array | None) -> PeriodicLaw:
     """The law of a fit to ``values`` (n,) whose coefficients are those of ``fourier_columns``."""
     off = fit.residuals
     power = float(off @ off)
@@ -296,7 +328,7 @@ def law_of(fit: LinearFit, log_variance: Array, values: Array, scores: OrderScor
         mean=float(np.mean(values)),
         total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
         lag_correlation=float(off[1:] @ off[:-1]) / power if power > 0.0 else 0.0,
-        scores=scores,
+        rmse_by_order=rmse_by_order,
     )
 
 

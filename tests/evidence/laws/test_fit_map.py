@@ -165,7 +165,7 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     assert six.sigma == pytest.approx(DEFAULT_SIGMA, rel=0.02)
     assert fitted.wear is not None
     assert fitted.wear.degree >= 1
-    assert np.rad2deg(fitted.wear.rmse) < 0.75
+    assert np.rad2deg(fitted.wear.whole.rmse) < 0.75
     # Where the robot waits it scatters least: the bottleneck is far quieter than the steep flanks.
     assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
 
