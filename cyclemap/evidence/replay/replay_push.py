@@ -5,24 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, read_only
+from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.evidence.replay.stroke_chain import (
     clearing_shift,
     cut_curve,
-    is_cut_curve,
     push_along,
     push_curve_along,
     rod_gap,
 )
 from cyclemap.mechanics import Pose, QuasiStaticModel
-from cyclemap.mechanics.outline import Polygon
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3
@@ -36,12 +35,11 @@ _MOVED = 0.5e-3
 class TipPath:
     """A path of straight strokes from corner to corner.
 
-    corners : (k, 2) m, in the world frame. time : (m,) s. travel : (m,) m along the chain at those times; it never
-    falls. straightness : largest distance (m) of a recorded place from the chord between the first and the last.
+    corners : (k, 2) m, in the world frame. travel : (m,) m along the chain at the recorded times; it never falls.
+    straightness : largest distance (m) of a recorded place from the chord between the first and the last.
     """
 
     corners: Array
-    time: Array
     travel: Array
     straightness: float
 
@@ -58,8 +56,7 @@ def tip_path(tip_pose: Array) -> TipPath:
     chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). Raises InvalidInput where the tip
     moves less than 1 mm.
     """
-    table = finite_array("tip pose", tip_pose, ndim=2)
-    place = table[:, 1:3]
+    place = finite_array("tip pose", tip_pose, ndim=2)[:, 1:3]
     kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
     while spans:
         first, last = spans.pop()
@@ -80,8 +77,7 @@ def tip_path(tip_pose: Array) -> TipPath:
     travel = np.maximum.accumulate(travel)
     if travel[-1] < SHORTEST_PATH:
         raise InvalidInput(f"the tip moves {1e3 * travel[-1]:.2g} mm: it pushes nothing")
-    straightness = float(_from_chord(place).max())
-    return TipPath(read_only(place[corners]), read_only(table[:, 0]), read_only(travel), straightness)
+    return TipPath(place[corners], travel, float(_from_chord(place).max()))
 
 
 def _from_chord(place: Array) -> Array:
@@ -123,10 +119,6 @@ class Replay:
     touch_agrees: bool
     leaving_agrees: bool
 
-    def __post_init__(self) -> None:
-        for name in ("time", "measured", "predicted", "travel", "tip", "shift", "outline"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
-
     @property
     def error(self) -> Array:
         """(n,) m, distance between the predicted and the measured place."""
@@ -137,22 +129,19 @@ class Replay:
         """(n,) rad, predicted minus measured turn."""
         return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
 
-    @property
-    def rms(self) -> tuple[float, float]:
-        """Root mean square of both errors along the rod's path: m, rad."""
-        return _mean_square(self.travel, self.error), _mean_square(self.travel, self.turn_error)
-
-    @property
-    def measured_motion(self) -> tuple[float, float]:
-        """How far the object went, m, and turned, rad."""
-        x, y, turn = (self.measured[-1] - self.measured[0]).tolist()
-        return math.hypot(x, y), turn
-
-    @property
-    def predicted_motion(self) -> tuple[float, float]:
-        """How far the object should have gone, m, and turned, rad."""
-        x, y, turn = (self.predicted[-1] - self.predicted[0]).tolist()
-        return math.hypot(x, y), turn
+    def summary(self) -> dict[str, Any]:
+        """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and whether."""
+        weight, found = np.diff(self.travel), dict[str, Any]()
+        for name, error in (("error", self.error), ("turn_error", self.turn_error)):
+            # The root mean square along the rod's way, by the trapezium rule.
+            middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
+            mean_square = float(weight @ middle) / float(weight.sum()) if weight.sum() > 0.0 else math.nan
+            found |= {name: float(error[-1]), f"rms_{name}": math.sqrt(mean_square)}
+        for name, poses in (("measured", self.measured), ("predicted", self.predicted)):
+            x, y, turn = (poses[-1] - poses[0]).tolist()
+            found |= {f"{name}_motion": math.hypot(x, y), f"{name}_turn": turn}
+        told = ("start_gap", "straightness", "strokes", "touched", "left", "touch_agrees", "leaving_agrees")
+        return {**found, "shift": math.hypot(*self.shift.tolist()), **{name: getattr(self, name) for name in told}}
 
 
 def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)) -> Replay:
@@ -172,19 +161,16 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
     >>> replay = replay_push(PushRecord(still, tip, still), model)
-    >>> [round(1e3 * length, 3) for length in replay.predicted_motion[:1]]
-    [9.75]
+    >>> round(1e3 * replay.summary()["predicted_motion"], 3)
+    9.75
     """
     path, start = tip_path(record.tip_pose), Pose(*record.start)
     first = (float(path.corners[0, 0]) + offset[0], float(path.corners[0, 1]) + offset[1])
     shift = clearing_shift(model, start, first) + offset
-    outline = model.slider.outline
-    if isinstance(outline, Polygon) and is_cut_curve(outline):
-        run = push_curve_along(model, cut_curve(outline), start, path.corners + shift)
-    else:
-        run = push_along(model, start, path.corners + shift)
+    corners, curve = path.corners + shift, cut_curve(model.slider.outline)
+    run = push_along(model, start, corners) if curve is None else push_curve_along(model, curve, start, corners)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
-    travel = np.interp(record.object_pose[:, 0], path.time, path.travel)
+    travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], path.travel)
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
     onsets = [_onset(poses, travel, model.unit) for poses in (measured, predicted)]
     last = (float(tip[-1, 0]), float(tip[-1, 1]))
@@ -205,13 +191,6 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         touch_agrees=bool(np.isnan(onsets).all()) or abs(onsets[0] - onsets[1]) <= CONTACT_SLACK,
         leaving_agrees=apart[0] == apart[1],
     )
-
-
-def _mean_square(travel: Array, error: Array) -> float:
-    """Root mean square over the travel, by the trapezium rule."""
-    weight = np.diff(travel)
-    middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
-    return math.sqrt(float(weight @ middle) / float(weight.sum())) if weight.sum() > 0.0 else math.nan
 
 
 def _onset(poses: Array, travel: Array, extent: float) -> float:

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import read_only
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import nearest_on_polyline
@@ -29,7 +29,7 @@ _PIECES = 3600
 _CLEARANCE = 1e-7
 _MOST_SHIFTS = 10
 # Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
-SAMPLE_SPACING = 0.5e-3
+_SAMPLE_SPACING = 0.5e-3
 # Gaps of touching rods are known to this, m.
 _ROUNDING = 1e-7
 # A polygon none of whose corners turns by more than this (rad) is a curve cut up: those of objects turn by far more.
@@ -48,10 +48,9 @@ _ENDLESS = 1e3
 
 @dataclass(frozen=True, eq=False)
 class ChainRun:
-    """The object's poses along a chain of strokes.
+    """The object's poses (n, 3), m and rad, at travels (n,), m along a chain of strokes, that never fall.
 
-    travel : (n,) m along the chain, never falling. pose : (n, 3) x, y (m), theta (rad). touched : whether the rod
-    ever pushed. left : whether the rod had lost the object by the end of the chain.
+    touched : whether the rod ever pushed. left : whether it had lost the object by the end of the chain.
     """
 
     travel: Array
@@ -128,7 +127,7 @@ def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> ChainRun:
         touch = first_touch(model.pieces, model.radius, rod, direction - pose.theta)
         left = touched
         if touch is not None and touch[0] * model.unit < length:
-            push = model.push(pose, WorldPush(place, direction, length), SAMPLE_SPACING)
+            push = model.push(pose, WorldPush(place, direction, length), _SAMPLE_SPACING)
             course, at = push.trajectory, done + touch[0] * model.unit
             travels += [np.array([at]), at + course.path]
             poses += [poses[-1][-1:], course.pose]
@@ -155,32 +154,30 @@ class CutCurve:
 
         The distance is negative inside.
         """
-        first, edge = self.place[:-1], np.diff(self.place, axis=0)
-        share = np.clip(((rod - first) * edge).sum(1) / (edge * edge).sum(1), 0.0, 1.0)
-        index = int(((rod - first - share[:, None] * edge) ** 2).sum(1).argmin())
-        foot = first[index] + share[index] * edge[index]
-        mixed = (1.0 - share[index]) * self.normal[index] + share[index] * self.normal[index + 1]
+        (foot,), (at,) = nearest_on_polyline(rod[np.newaxis], self.place)
+        edge = self.place[at + 1] - self.place[at]
+        share = (foot - self.place[at]) @ edge / (edge @ edge)
+        mixed = (1.0 - share) * self.normal[at] + share * self.normal[at + 1]
         normal = mixed / np.hypot(*mixed)
         return float((rod - foot) @ normal), foot, normal
 
 
-def is_cut_curve(outline: Outline) -> bool:
-    """Whether an outline is a polygon that stands for a smooth curve: no corner of it turns by more than 20 degrees."""
-    if not isinstance(outline, Polygon):
-        return False
-    edge = np.roll(outline.array, -1, axis=0) - outline.array
-    heading = np.arctan2(edge[:, 1], edge[:, 0])
-    turn = np.remainder(np.diff(heading, append=heading[:1]) + np.pi, 2.0 * np.pi) - np.pi
-    return bool(np.abs(turn).max() <= LARGEST_BEND)
-
-
 @cache
-def cut_curve(outline: Polygon) -> CutCurve:
-    """Return the periodic cubic spline through a polygon's vertices, by the length of its sides."""
+def cut_curve(outline: Outline) -> CutCurve | None:
+    """The periodic cubic spline through a polygon's vertices, by the length of its sides, where it stands for a curve.
+
+    None for other outlines, and for polygons of which a corner turns by more than 20 degrees.
+    """
     from scipy.interpolate import CubicSpline
 
+    if not isinstance(outline, Polygon):
+        return None
     corners = outline.points(0)
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+    edge = np.diff(corners, axis=0)
+    heading = np.arctan2(edge[:, 1], edge[:, 0])
+    if np.abs(shorter_way(np.diff(heading, append=heading[:1]))).max() > LARGEST_BEND:
+        return None
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*edge.T))])
     spline = CubicSpline(length, corners, bc_type="periodic")
     at = np.interp(np.arange(_FINER * outline.sides + 1) / _FINER, np.arange(outline.sides + 1), length)
     tangent = spline(at, 1)
@@ -200,10 +197,6 @@ class _Course:
         self.travels, self.poses, self.slid = [0.0], [pose], 0.0
         self.touched, self.apart = False, True
 
-    def note(self, travel: float) -> None:
-        self.travels.append(travel)
-        self.poses.append(self.pose)
-
     def gap(self, place: Array) -> tuple[float, Array, Array]:
         """Gap (m) of a rod at a place in the world; the foot and the normal there, in the object's frame."""
         distance, foot, normal = self.curve.nearest(np.array(self.pose.to_object(*place.tolist())))
@@ -216,12 +209,14 @@ class _Course:
             gap, foot, normal = self.gap(start + at * toward)
             nearing = -float(np.array(Pose(theta=self.pose.theta).to_world(*normal.tolist())) @ toward)
             if gap <= _CONTACT and nearing > _NEARING:
-                self.note(done + at)
+                self.travels.append(done + at)
+                self.poses.append(self.pose)
                 at += self._push(start + at * toward, direction, min(STEP, length - at), foot)
             else:
                 at += max(gap, _CONTACT if nearing > 0.0 else _APART)
                 self.apart, self.slid = True, 0.0
-            self.note(done + min(at, length))
+            self.travels.append(done + min(at, length))
+            self.poses.append(self.pose)
 
     def _push(self, place: Array, direction: float, length: float, foot: Array) -> float:
         """Push a chord of the curve at `foot`; return the travel (m) until the stroke ends or the rod is left."""

@@ -99,11 +99,12 @@ def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(na
     model = model_of(name)
     record, push = simulated(model, place, direction)
     replay = replay_push(record, model)
-    assert replay.measured_motion[0] > 5 * MILLIMETRE
+    told = replay.summary()
+    assert told["measured_motion"] > 5 * MILLIMETRE
     assert replay.error.max() < 0.01 * MILLIMETRE
     assert np.abs(replay.turn_error).max() < math.radians(0.01)
-    assert max(replay.rms) < 1e-5
-    assert replay.measured_motion[1] == pytest.approx(push.turn, abs=1e-5)
+    assert max(told["rms_error"], told["rms_turn_error"]) < 1e-5
+    assert told["measured_turn"] == pytest.approx(push.turn, abs=1e-5)
     assert replay.strokes == 1
     assert replay.straightness < 1e-9
     assert np.all(replay.shift == 0.0)
@@ -199,6 +200,6 @@ def test_a_rod_that_passes_by_predicts_no_motion_and_says_so() -> None:
     replay = replay_push(record_of(time, moved, tip), model)
     assert not replay.touched
     assert not replay.left
-    assert replay.predicted_motion == (0.0, 0.0)
+    assert replay.summary()["predicted_motion"] == replay.summary()["predicted_turn"] == 0.0
     assert replay.error[-1] == pytest.approx(0.01)
     assert not replay.touch_agrees
