@@ -238,7 +238,7 @@ def _rows(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     ratio = math.nan if outline is None else contact_force_ratio(record, outline)
     poses = dict(zip(_POSES, (*record.start, *record.end, *record.displacement, record.turn), strict=True))
     tip = dict(zip(_TIP, record.tip_pose[0, 1:3].tolist(), strict=True))
-    rest = {"length": record.length, "force_ratio": ratio, "samples": record.samples, "path": str(path)}
+    rest = {"length": record.length, "force_ratio": ratio, "samples": len(record.object_pose), "path": str(path)}
     return [asdict(facts) | poses | tip | rest], []
 
 
