@@ -16,6 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import scan_facts
+from cyclemap.mechanics.slider import Pose
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
 
 HDF5_SUFFIXES = (".h5", ".hdf5")
@@ -78,10 +79,7 @@ class PushRecord:
     @property
     def displacement(self) -> tuple[float, float]:
         """How far the object moved, m, along x and y of its own frame at the start."""
-        x0, y0, theta0 = self.start
-        x1, y1, _ = self.end
-        c, s = np.cos(theta0), np.sin(theta0)
-        return float(c * (x1 - x0) + s * (y1 - y0)), float(-s * (x1 - x0) + c * (y1 - y0))
+        return Pose(*self.start).to_object(*self.end[:2])
 
     @property
     def turn(self) -> float:
