@@ -231,7 +231,7 @@ def count_sentence(fit: SetFit) -> str:
     pushes, contacts = fit.pushes, fit.pushes.contacts
     pooled = f" at {contacts} contacts, pooled: none was repeated often" if contacts > 1 else ""
     known = "" if pushes.has_motion else " of which θ0 alone is known"
-    left = {} if pushes.pairs is None or not pushes.pairs.dropped_count else pushes.pairs.dropped
+    left = {} if pushes.pairs is None else pushes.pairs.dropped
     reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
     dropped = f" ({reasons})" if reasons else ""
     told, arcs = f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.", covered_arcs(pushes.theta)
