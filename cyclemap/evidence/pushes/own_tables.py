@@ -10,7 +10,8 @@ import io
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -19,7 +20,7 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.text_files import read_text
@@ -28,11 +29,11 @@ Columns = dict[str, Array]
 
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
 TEXTS = (".csv", ".tsv", ".txt", ".dat")
-ANGLES, LENGTHS = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y", "length")
+_ANGLES, _LENGTHS = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y", "length")
 _QUATERNION = ("qx", "qy", "qz", "qw")
 _OTHERS = ("t", "episode", "repetition", "side", "fraction")
-KNOWN = (*ANGLES, *LENGTHS, *_OTHERS, *_QUATERNION)
-UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
+_KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *_QUATERNION)
+_UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 _ANGLE_UNITS, _LENGTH_UNITS = ("deg", "rad"), ("mm", "cm", "m")
 
 _ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
@@ -58,17 +59,13 @@ _MEANING = {
         for name in _QUATERNION
     },
 }
-_UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    "radians": "rad",
-    "metres": "m",
-    "meters": "m",
-}
+_UNIT_WORDS = {"degrees": "deg", "degree": "deg", "°": "deg", "grad": "deg"}
+_UNIT_WORDS |= {"radians": "rad", "metres": "m", "meters": "m"}
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _POSES = {"x0", "y0", "x1", "y1"}
 _OURS = ({"theta0_deg"}, {"theta0_accum_deg"}, _POSES, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
 # A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
-_REST_SECONDS, _SLOW, _SLOW_TURN = 0.4, 0.003, 0.03
-_SMOOTHED_SECONDS = 0.2
+_REST_SECONDS, _SLOW, _SLOW_TURN, _SMOOTHED_SECONDS = 0.4, 0.003, 0.03, 0.2
 _LONGEST_HEADER = 100_000
 # Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
 _LARGEST_DECODED = 2**26
@@ -119,9 +116,8 @@ def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, u
     angles (deg, rad) and lengths (mm, cm, m). What is not told is guessed.
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
-    place = Path(path)
-    found, words, guessed = _understood(place, dict(columns or {}), units)
-    pushes, more_words = _cleaned(place, found)
+    found, words, guessed = _understood(Path(path), dict(columns or {}), units)
+    pushes, more_words = _cleaned(Path(path), found)
     return OwnTable(pushes, (*words, *more_words), guessed)
 
 
@@ -133,26 +129,28 @@ def read_orientations(
     growing : a CSV file that is written to, whose last line waits for its end. Then DataFileError also where rows to
     come could change what earlier ones mean: a stream of poses, or a unit that would be guessed.
     """
-    place = Path(path)
-    if growing and place.suffix.lower() not in TEXTS:
-        raise DataFileError(f"{path}: read once it is whole, without --follow: only a CSV file is read while it grows")
-    found, words, guessed = _understood(place, dict(columns or {}), units, growing)
+    found, words, guessed = _understood(Path(path), dict(columns or {}), units, growing)
     known = np.isfinite(found["theta0"])
-    if not known.all():
-        words.append(f"left out for want of an orientation: {int((~known).sum())} of {known.size} rows")
-    return OwnTable({"theta0": found["theta0"][known]}, tuple(words), guessed)
+    return OwnTable({"theta0": found["theta0"][known]}, (*words, *_without_orientation(known)), guessed)
+
+
+def _without_orientation(known: Mask) -> list[str]:
+    count = int(np.sum(~known))
+    return [f"left out for want of an orientation: {count} of {known.size} rows"] if count else []
 
 
 def _understood(
     place: Path, told: dict[str, str], units: Sequence[str], growing: bool = False
 ) -> tuple[Columns, list[str], bool]:
     """The columns in SI units by our names, what was read as what, and whether any of that is a guess."""
+    if growing and place.suffix.lower() not in TEXTS:
+        raise DataFileError(f"{place}: read once it is whole, without --follow: only a CSV file is read while it grows")
     for name in told:
-        if name not in (*KNOWN, "pose"):
-            raise InvalidInput(f"--columns {name}=...: know {', '.join((*KNOWN, 'pose'))}")
+        if name not in (*_KNOWN, "pose"):
+            raise InvalidInput(f"--columns {name}=...: know {', '.join((*_KNOWN, 'pose'))}")
     for unit in units:
-        if unit not in UNITS:
-            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+        if unit not in _UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(_UNITS)}")
     raw = _raw(place, told, growing)
     meaning = _meaning(place, raw, told)
     if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
@@ -161,7 +159,7 @@ def _understood(
     found: Columns = {}
     for name, column in meaning.items():
         factor, said = _factor(name, column, raw[column], units)
-        if growing and name in ANGLES and "guessed" in said:
+        if growing and name in _ANGLES and "guessed" in said:
             raise DataFileError(f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad")
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
@@ -177,9 +175,6 @@ def _understood(
     return found, words, len(meaning) > len(told) or not units
 
 
-# -- what kind of file ------------------------------------------------------------------------------------------
-
-
 def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an unfinished line."""
     if path.is_dir() and (path / "meta" / "info.json").is_file():
@@ -193,17 +188,24 @@ def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
         return _parquet([path])
     if path.suffix.lower() not in EXCEL:
         text = read_text(path, "CSV")
-        return _numbers(path, _text_table(path, text[: text.rfind("\n") + 1] if growing else text))
+        return _csv(path, text[: text.rfind("\n") + 1] if growing else text)
     _library("openpyxl", "excel")
-    pandas: Any = import_module("pandas")
-    try:
+    # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
+    with _refused_as(path, "a spreadsheet"):
         with ZipFile(path) as parts:
             _check_size(path, sum(part.file_size for part in parts.infolist()))
-        return _numbers(path, pandas.read_excel(path))
+        return _numbers(path, import_module("pandas").read_excel(path))
+
+
+@contextmanager
+def _refused_as(path: Path, kind: str) -> Iterator[None]:
+    """Whatever a library raises becomes a DataFileError."""
+    try:
+        yield
     except DataFileError:
         raise
-    except Exception as error:  # zipfile, zlib, XML, openpyxl, pandas: each has its own
-        raise DataFileError(f"{path}: not a spreadsheet that can be read ({error})") from error
+    except Exception as error:
+        raise DataFileError(f"{path}: not {kind} that can be read ({error})") from error
 
 
 def _check_size(path: Path, decoded: int) -> None:
@@ -212,7 +214,7 @@ def _check_size(path: Path, decoded: int) -> None:
         raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
 
 
-def _text_table(path: Path, text: str) -> Any:
+def _csv(path: Path, text: str) -> Columns:
     """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
     pandas: Any = import_module("pandas")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
@@ -221,9 +223,10 @@ def _text_table(path: Path, text: str) -> Any:
     separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
     decimal = "." if separator == "," else ","
     try:
-        return pandas.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
+        frame = pandas.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
     except (ValueError, pandas.errors.ParserError) as error:
         raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
+    return _numbers(path, frame)
 
 
 def _numbers(path: Path, frame: Any) -> Columns:
@@ -245,14 +248,11 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
     _library("pyarrow", "lerobot")
     pandas: Any = import_module("pandas")
     parquet: Any = import_module("pyarrow.parquet")
-    try:
+    # Arrow's own kinds of error, and any of what a damaged type makes of pandas.
+    with _refused_as(files[0], "parquet"):
         groups = [told.row_group(n) for told in map(parquet.read_metadata, files) for n in range(told.num_row_groups)]
         _check_size(files[0], 8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)))
         frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
-    except DataFileError:
-        raise
-    except Exception as error:  # arrow's own kinds of error, and any of what a damaged type makes of pandas
-        raise DataFileError(f"{files[0]}: not parquet that can be read ({error})") from error
     found: Columns = {}
     for column in frame.columns:
         values = frame[column]
@@ -330,9 +330,6 @@ def _library(name: str, extra: str) -> None:
         raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[{extra}]'") from error
 
 
-# -- what a column means ------------------------------------------------------------------------------------------
-
-
 def _bare(column: str) -> tuple[str, str]:
     """A column's name without its unit, and the unit; both in small letters."""
     name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
@@ -347,18 +344,19 @@ def _bare(column: str) -> tuple[str, str]:
 def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
     """The file's column for each name that is told or recognised."""
     have = ", ".join(list(raw)[:20])
-    meaning: dict[str, str] = {}
-    for name, column in ((name, column) for name, column in told.items() if name != "pose"):
+    meaning = {name: column for name, column in told.items() if name != "pose"}
+    for name, column in meaning.items():
         if column not in raw:
             raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
-        meaning[name] = column
     for name, patterns in _MEANING.items():
-        hits = [column for column in raw if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
-        hits = [column for column in hits if column not in meaning.values()]
-        if len(hits) > 1 and name not in meaning:
+        if name in meaning:
+            continue
+        free = [column for column in raw if column not in meaning.values()]
+        hits = [column for column in free if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
+        if len(hits) > 1:
             both = f"{' and '.join(hits)} may both be {name}"
             raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
-        if hits and name not in meaning:
+        if hits:
             meaning[name] = hits[0]
     if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
         after = meaning["theta1"]
@@ -379,23 +377,19 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
 
 def _factor(name: str, column: str, values: Array, units: Sequence[str]) -> tuple[float, str]:
     """SI units of one unit of a column, and how that is said."""
-    kinds = _ANGLE_UNITS if name in ANGLES else _LENGTH_UNITS if name in LENGTHS else ()
+    kinds = _ANGLE_UNITS if name in _ANGLES else _LENGTH_UNITS if name in _LENGTHS else ()
     if not kinds:
         return 1.0, ""
     told = next((unit for unit in units if unit in kinds), None)
     if told is not None:
-        return UNITS[told], f" in {told}"
+        return _UNITS[told], f" in {told}"
     named = _bare(column)[1]
     if named in kinds:
-        return UNITS[named], f" in {named}, by its name"
-    known = values[np.isfinite(values)]
-    reach = float(np.abs(known).max()) if known.size else 0.0
-    small, large, limit = ("rad", "deg", _NO_RADIANS) if name in ANGLES else ("m", "mm", _NO_METRES)
+        return _UNITS[named], f" in {named}, by its name"
+    reach = float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))
+    small, large, limit = ("rad", "deg", _NO_RADIANS) if name in _ANGLES else ("m", "mm", _NO_METRES)
     unit = large if reach > limit else small
-    return UNITS[unit], f" in {unit}, guessed: it reaches {reach:.4g}"
-
-
-# -- from streams and rows to pushes ---------------------------------------------------------------------------------
+    return _UNITS[unit], f" in {unit}, guessed: it reaches {reach:.4g}"
 
 
 def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:
@@ -446,9 +440,8 @@ def _motions(stream: Columns) -> list[tuple[int, int]]:
 
 def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is told."""
-    words: list[str] = []
     known = np.isfinite(found["theta0"])
-    posed = set(found) >= {"theta1", *_POSES}
+    words, posed = _without_orientation(known), set(found) >= {"theta1", *_POSES}
     number = found.get("repetition", np.arange(known.size, dtype=float))
     if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
         return {"theta0": found["theta0"]}, words
@@ -457,11 +450,9 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         follows = np.append(np.diff(number) == 1.0, False)
         found["theta_next"] = np.where(follows, following, math.nan)
         if not follows[:-1].all():
-            words.append(f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
+            words.insert(0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
-    if not known.all():
-        words.append(f"left out for want of an orientation: {int((~known).sum())} of {known.size} rows")
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
