@@ -14,13 +14,7 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
 from cyclemap.evidence.pushes.push_files import PushRecord
-from cyclemap.evidence.replay.stroke_chain import (
-    clearing_shift,
-    cut_curve,
-    push_along,
-    push_curve_along,
-    rod_gap,
-)
+from cyclemap.evidence.replay.stroke_chain import clearing_shift, push_along, rod_gap
 from cyclemap.mechanics import Pose, QuasiStaticModel
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
@@ -167,8 +161,7 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     path, start = tip_path(record.tip_pose), Pose(*record.start)
     first = (float(path.corners[0, 0]) + offset[0], float(path.corners[0, 1]) + offset[1])
     shift = clearing_shift(model, start, first) + offset
-    corners, curve = path.corners + shift, cut_curve(model.slider.outline)
-    run = push_along(model, start, corners) if curve is None else push_curve_along(model, curve, start, corners)
+    run = push_along(model, start, path.corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], path.travel)
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift

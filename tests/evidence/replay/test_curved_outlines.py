@@ -1,4 +1,4 @@
-"""Outlines cut into short sides are pushed as the curves they stand for; the butterfly is the dataset's."""
+"""Outlines cut into short sides move as the curves they stand for; the butterfly is the dataset's."""
 
 import math
 
@@ -7,54 +7,33 @@ import pytest
 from made_replays import FRICTION, model_of
 
 from cyclemap.evidence.replay.replay_table import dataset_sliders
-from cyclemap.evidence.replay.stroke_chain import cut_curve, push_along, push_curve_along
+from cyclemap.evidence.replay.stroke_chain import push_along
 from cyclemap.mechanics import Pose, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse, Polygon
 
-SEMI_X, SEMI_Y, SIDES = 0.045, 0.060, 96
-SLIDERS = dataset_sliders()
-BUTTER = SLIDERS["butter"]
-
-
-def cut_ellipse():
-    return Polygon(Ellipse(SEMI_X, SEMI_Y).points(SIDES)[:-1])
+SEMI_X, SEMI_Y = 0.045, 0.060
+BUTTER = dataset_sliders()["butter"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.25, 1.0])
 @pytest.mark.parametrize("offset", [-0.02, 0.004, 0.03])
-def test_a_cut_ellipse_moves_as_the_ellipse_does(friction, offset) -> None:
-    """Two routes: tangents of the curve through 96 vertices, and the exact contact of the ellipse."""
-    footprint = PatchFootprint(Ellipse(SEMI_X, SEMI_Y))
-    rod = Pusher(friction=friction)
+def test_an_ellipse_cut_into_192_sides_moves_as_the_ellipse_does(friction, offset) -> None:
+    """Two routes: a chain of contacts with sides and corners, and the exact contact of the ellipse."""
+    whole, rod = Ellipse(SEMI_X, SEMI_Y), Pusher(friction=friction)
     exact, cut = (
-        QuasiStaticModel(Slider(outline), FRICTION, rod, footprint, accuracy=1e-6)
-        for outline in (Ellipse(SEMI_X, SEMI_Y), cut_ellipse())
+        QuasiStaticModel(Slider(outline), FRICTION, rod, PatchFootprint(whole), accuracy=1e-6)
+        for outline in (whole, Polygon(whole.points(192)[:-1]))
     )
     corners = np.array([[-0.06, offset], [-0.03, offset], [-0.01, offset + 0.004]])
-    wanted = push_along(exact, Pose(), corners)
-    found = push_curve_along(cut, cut_curve(cut.slider.outline), Pose(), corners)
+    wanted, found = (push_along(model, Pose(), corners) for model in (exact, cut))
     travel = np.linspace(0.0, wanted.travel[-1], 41)
     off = found.pose_at(travel) - wanted.pose_at(travel)
-    assert np.hypot(*off[:, :2].T).max() < 0.05e-3
-    assert np.abs(off[:, 2]).max() < math.radians(0.05)
+    assert np.hypot(*off[:, :2].T).max() < 0.06e-3
+    assert np.abs(off[:, 2]).max() < math.radians(0.2)
     assert np.ptp(wanted.pose[:, 0]) > 0.002
     assert found.left == wanted.left
-
-
-def test_only_polygons_without_corners_are_curves_through_their_vertices_with_normals_that_point_out() -> None:
-    assert [name for name, slider in SLIDERS.items() if cut_curve(slider.outline)] == ["butter"]
-    assert cut_curve(cut_ellipse()) is not None
-    outline = BUTTER.outline
-    curve = cut_curve(outline)
-    gaps = [abs(curve.nearest(vertex)[0]) for vertex in outline.array]
-    assert len(gaps) == 80
-    assert max(gaps) < 1e-12
-    middle = 0.5 * (curve.place[:-1] + curve.place[1:])
-    assert not outline.contains(middle + 1e-3 * curve.normal[:-1]).any()
-    assert curve.nearest(np.array([0.0, 0.0]))[0] == pytest.approx(-0.0273790, abs=1e-6)
-    assert curve.nearest(np.array([0.05, 0.0]))[0] > 0.0
 
 
 def test_the_butterfly_is_symmetric_as_large_as_the_datasets_mesh_and_has_its_plates_inertia() -> None:
@@ -73,9 +52,8 @@ def test_the_butterfly_is_symmetric_as_large_as_the_datasets_mesh_and_has_its_pl
 
 def test_mirrored_pushes_of_the_butterfly_are_mirror_images() -> None:
     model = model_of(BUTTER, accuracy=1e-5)
-    curve = cut_curve(model.slider.outline)
     corners = np.array([[-0.06, 0.02], [-0.02, 0.012]])
-    up = push_curve_along(model, curve, Pose(), corners).pose[-1]
-    down = push_curve_along(model, curve, Pose(), corners * (1.0, -1.0)).pose[-1]
+    up = push_along(model, Pose(), corners).pose[-1]
+    down = push_along(model, Pose(), corners * (1.0, -1.0)).pose[-1]
     assert up * (1.0, -1.0, -1.0) == pytest.approx(down, abs=2e-6)
     assert abs(up[2]) > 0.05
