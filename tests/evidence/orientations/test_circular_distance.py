@@ -21,8 +21,11 @@ from cyclemap.evidence.orientations.circular_distance import (
 TURN = 2 * np.pi
 
 
-def uniform(theta):
+def uniform_density(theta):
     return np.full_like(theta, 1.0 / TURN)
+
+
+uniform = CircularLaw(uniform_density)
 
 
 def box(theta):
@@ -65,7 +68,7 @@ def test_bins_share_out_the_whole_law() -> None:
     ("density", "match"),
     [
         (lambda theta: np.full_like(theta, 1.0 / 360.0), "integrates to 0.0174533 over the circle, not 1"),
-        (lambda theta: uniform(theta) * 1.02, "integrates to 1.02"),
+        (lambda theta: uniform_density(theta) * 1.02, "integrates to 1.02"),
         (lambda theta: (1.0 + 1.5 * np.cos(theta)) / TURN, "must not be negative"),
         (lambda theta: np.where(theta > 3.0, np.nan, 0.1), "must be finite"),
         (lambda theta: np.array(1.0 / TURN), "must be vectorised"),
@@ -74,11 +77,11 @@ def test_bins_share_out_the_whole_law() -> None:
 )
 def test_what_is_no_density_is_refused(density, match) -> None:
     refused(CircularLaw, density, told=match)
-    refused(CircularLaw, uniform, cells=4, told="cells must be at least 8")
+    refused(CircularLaw, uniform_density, cells=4, told="cells must be at least 8")
 
 
-def cardioid(tilt: float, centre: float = 0.0):
-    return lambda theta: (1.0 + tilt * np.cos(theta - centre)) / TURN
+def cardioid(tilt: float, centre: float = 0.0, cells: int = 2048) -> CircularLaw:
+    return CircularLaw(lambda theta: (1.0 + tilt * np.cos(theta - centre)) / TURN, cells)
 
 
 def apart(first, second):
@@ -104,12 +107,12 @@ def test_a_point_is_as_far_from_a_law_as_the_mean_distance_to_it() -> None:
         truth = np.pi / 2 - 2.0 / np.pi * 0.8 * np.cos(0.4 - centre)
         for cells in (64, 2048):
             bound = (TURN / cells) ** 2 / 8 * (4 * 0.8 / TURN)
-            found = circular_wasserstein([0.4], CircularLaw(cardioid(0.8, centre), cells))
+            found = circular_wasserstein([0.4], cardioid(0.8, centre, cells))
             assert found == pytest.approx(truth, abs=bound)
 
 
 def test_against_a_law_it_is_what_a_fine_sample_of_the_law_gives() -> None:
-    law, grid = CircularLaw(cardioid(0.9, 2.0)), np.linspace(0.0, TURN * (1 - 1e-12), 200_001)
+    law, grid = cardioid(0.9, 2.0), np.linspace(0.0, TURN * (1 - 1e-12), 200_001)
     fine = np.interp((np.arange(20_000) + 0.5) / 20_000, law.cumulative(grid), grid)
     for sample in samples(5, 3, 40):
         assert circular_wasserstein(sample, law) == pytest.approx(float(circular_wasserstein(sample, fine)), abs=1e-3)
@@ -126,7 +129,7 @@ def test_rotating_both_changes_nothing(turn) -> None:
 
 def test_whole_turns_and_reflection_change_nothing() -> None:
     assert orientations("the sample", [-1e-20]).tolist() == [0.0]
-    law = CircularLaw(cardioid(1.0))
+    law = cardioid(1.0)
     assert np.allclose(law.cumulative([1.0, 1.0 + 3 * TURN, 1.0 - TURN]), law.cumulative(1.0), atol=1e-14)
     first, second = samples(2, 6, 30)
     plain = float(circular_wasserstein(first, second))
@@ -169,11 +172,10 @@ def test_turning_both_by_whole_bins_leaves_total_variation() -> None:
     [
         ([], uniform, "at least one orientation"),
         ([1.0, np.nan], uniform, "entry 1 is nan"),
-        ([1.0], [], "the second sample has shape"),
+        ([1.0], [], "second sample has shape"),
         ([1.0], [[1.0, 2.0]], "must have 1 axes"),
         ([[1.0], [2.0]], [1.0], "must have 1 axes"),
         ([1.0], [np.inf], "must be finite"),
-        ([1.0], lambda theta: uniform(theta) / 2, "integrates to 0.5"),
         (["north"], uniform, "numbers only"),
     ],
 )
@@ -229,7 +231,7 @@ def test_rotating_the_circle_or_its_origin_changes_nothing(statistic, turn) -> N
 @pytest.mark.parametrize("statistic", STATISTICS)
 def test_a_change_of_variable_changes_nothing(statistic) -> None:
     """Both depend on G(θ) alone."""
-    law, sample = CircularLaw(cardioid(0.9, 1.0)), evenly(1, 40, 4)[0]
+    law, sample = cardioid(0.9, 1.0), evenly(1, 40, 4)[0]
     straight = statistic(TURN * law.cumulative(sample), uniform)
     assert statistic(sample, law) == pytest.approx(float(straight), abs=1e-12)
     # Rows are measured each for itself.
@@ -268,7 +270,6 @@ def test_its_standard_error_is_that_of_repeated_simulation() -> None:
     [
         *((lambda one=one: one([], uniform), "at least one orientation") for one in STATISTICS),
         *((lambda one=one: one([np.nan], uniform), "entry 0 is nan") for one in STATISTICS),
-        *((lambda one=one: one([1.0], lambda theta: 2 * uniform(theta)), "integrates to") for one in STATISTICS),
         (lambda: monte_carlo_p_value(1.0, []), "no simulated values"),
         (lambda: monte_carlo_p_value(np.nan, [1.0]), "observed must be a finite number"),
         (lambda: monte_carlo_p_value(1.0, [1.0, np.inf]), "simulated must be finite"),
