@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -29,10 +28,7 @@ MIT_TARGET = (0.350, -0.030)
 # The rod starts this far (m) before it touches.
 APPROACH = 0.001
 # As in the dataset: 120 mm through this place (m, robot's frame), every five degrees, twice each.
-SCAN_CENTRE = (0.350, -0.018)
-SCAN_STROKE = 0.120
-SCAN_STEP_DEGREES = 5
-SCAN_REPETITIONS = 2
+SCAN_CENTRE, SCAN_STROKE = (0.350, -0.018), 0.120
 
 
 @dataclass(frozen=True)
@@ -150,12 +146,10 @@ def _states(push: PushResult, distance: float, travel: Array) -> Array:
     return state
 
 
-def scan_set(surface: str, shape: str, speed: float) -> Iterator[ScanFacts]:
+def scan_set(surface: str, shape: str, speed: float) -> list[ScanFacts]:
     """The scans of one object on one surface, as the dataset names them; speed in m/s."""
-    for degrees in range(0, 360, SCAN_STEP_DEGREES):
-        for repetition in range(SCAN_REPETITIONS):
-            direction = math.radians((degrees + 180) % 360)
-            yield ScanFacts(surface, shape, 0.0, speed, direction, float(repetition))
+    directions = np.radians((np.arange(0, 360, 5) + 180) % 360).tolist()
+    return [ScanFacts(surface, shape, 0.0, speed, one, repetition) for one in directions for repetition in (0.0, 1.0)]
 
 
 def record_scan(

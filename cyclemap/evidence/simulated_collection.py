@@ -31,7 +31,7 @@ from cyclemap.evidence.recorded_push import (
 )
 from cyclemap.file_text import toml_text
 from cyclemap.maps import LocalNoise
-from cyclemap.mechanics import Material, SidePush
+from cyclemap.mechanics import Material
 from cyclemap.mechanics.friction import worn_friction
 from cyclemap.plain_text import plain_number
 from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
@@ -96,18 +96,18 @@ class CollectionPlan:
         for turn in self.gripper_turns or ():
             finite_number("gripper turn", turn)
 
+    def new_loop_at(self, cycle: int) -> CollectionLoop:
+        """The loop of `cycle` (from 0) with the surface as it was at first."""
+        return self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
+
     def loop_at(self, cycle: int) -> CollectionLoop:
         """The loop with the surface as worn as it is at `cycle` (from 0)."""
-        loop = self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
+        loop = self.new_loop_at(cycle)
         if self.wear_to is None:
             return worn_loop(loop, cycle)
         share = cycle / (self.cycles - 1) if self.cycles > 1 else 0.0
         friction = worn_friction(loop.material.friction, self.wear_to.friction, share)
         return replace(loop, material=replace(loop.material, friction=friction))
-
-    def push_at(self, cycle: int) -> SidePush:
-        """The push of `cycle`."""
-        return self.loop.push if self.cycle_loops is None else self.cycle_loops[cycle].push
 
     def generator(self, stream: int, number: int) -> np.random.Generator:
         """The random numbers of one stream for one cycle, the same whatever was drawn before."""
@@ -138,30 +138,18 @@ class CollectionPlan:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
         loop, noise = self.loop, self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
-        parts = {field.name: getattr(loop, field.name) for field in fields(loop) if field.name != "material"}
-        by_cycle: Arguments = {}
+        found: Arguments = {"version": version("cyclemap"), "cycles": self.cycles, "seed": self.seed}
+        found |= {"start_rad": self.start, "material": loop.material.name, "friction": repr(loop.material.friction)}
+        found |= {"wear_to": "none" if wear is None else repr(wear), "speed_m_s": self.speed}
+        found |= {one.name: _short(repr(getattr(loop, one.name))) for one in fields(loop) if one.name != "material"}
+        found |= {"noise_turn_rad": noise.turn, "noise_position_m": noise.position, "noise_angle_rad": noise.angle}
+        found |= {"noise_force_n": noise.force, "scans": self.scans, "suffix": self.suffix}
+        if self.cycle_noise is not None:
+            found["cycle_noise"] = _short(repr(self.cycle_noise))
         if self.cycle_loops is not None or self.gripper_turns is not None:
             told = [(one.push, one.reset) for one in self.cycle_loops or ()], self.gripper_turns
-            by_cycle["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
-        return {
-            "version": version("cyclemap"),
-            "cycles": self.cycles,
-            "seed": self.seed,
-            "start_rad": self.start,
-            "material": loop.material.name,
-            "friction": repr(loop.material.friction),
-            "wear_to": "none" if wear is None else repr(wear),
-            **{name: _short(repr(part)) for name, part in parts.items()},
-            "speed_m_s": self.speed,
-            "noise_turn_rad": noise.turn,
-            **({} if self.cycle_noise is None else {"cycle_noise": _short(repr(self.cycle_noise))}),
-            "noise_position_m": noise.position,
-            "noise_angle_rad": noise.angle,
-            "noise_force_n": noise.force,
-            "scans": self.scans,
-            "suffix": self.suffix,
-            **by_cycle,
-        }
+            found["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
+        return found
 
 
 def _short(text: str) -> str:
@@ -184,8 +172,7 @@ class CollectionFolder:
         self.folder, self.plan = Path(folder), plan
         self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
         self.home = self.folder / self.surface / self.shape
-        arguments = plan.arguments()
-        record, unfinished = self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
+        arguments, record, unfinished = plan.arguments(), self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
             table = read_toml(record).get(SIMULATION)
@@ -210,7 +197,7 @@ class CollectionFolder:
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""
-        push, plan = self.plan.push_at(cycle), self.plan
+        push, plan = self.plan.new_loop_at(cycle).push, self.plan
         place = (float(push.side), push.fraction, push.angle, float(cycle))
         facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
         return self.home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
@@ -316,16 +303,17 @@ def simulate_collection(
     report = progress or (lambda fraction: None)
     with only_writer(Path(folder)):
         begun = CollectionFolder(folder, plan)
-        scans = 0
-        # Made anew if they are there: they are quick.
-        for scans, scan in enumerate(scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else (), 1):
-            friction, weight, instruments = loop.material.friction, loop.model.weight, plan.generator(SCANS, scans)
-            made = record_scan(friction, weight, scan.direction, plan.recording(0), instruments)
+        # Scans are made anew if they are there: they are quick.
+        scans = scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else []
+        for number, scan in enumerate(scans, 1):
+            friction, draws = loop.material.friction, plan.generator(SCANS, number)
+            made = record_scan(friction, loop.model.weight, scan.direction, plan.recording(0), draws)
             write_push_file(begun.home / SCAN_FOLDER / f"{scan_name(scan)}{plan.suffix}", made)
         theta = begun.known_theta()
         resumed = len(theta) - 1
         for cycle in range(resumed, plan.cycles):
-            now, distance = plan.loop_at(cycle), plan.push_at(cycle).distance
+            now = plan.loop_at(cycle)
+            distance = now.push.distance
             try:
                 push, back = now.strokes(theta[-1], distance / _RECORDED)
             except CycleMapError as error:
@@ -339,4 +327,4 @@ def simulate_collection(
             report((cycle + 1) / plan.cycles)
     size = sum(path.stat().st_size for path in begun.home.rglob(f"*{plan.suffix}"))
     written = plan.cycles - resumed
-    return SimulatedCollection(begun.folder, plan.cycles, written, resumed, scans, theta[-2], size)
+    return SimulatedCollection(begun.folder, plan.cycles, written, resumed, len(scans), theta[-2], size)
