@@ -21,12 +21,11 @@ if TYPE_CHECKING:
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
-SURROUNDINGS = ("surface", "object", "acceleration", "speed")
-CONTACT = ("side", "fraction", "angle")
+SURROUNDINGS, CONTACT = ("surface", "object", "acceleration", "speed"), ("side", "fraction", "angle")
 _TEXT = ("surface", "object")
 QUANTITIES = ("dtheta", "dx", "dy")
 # Two values have a spread; nobody should quote that of fewer than this many.
-FEWEST_FOR_SPREAD = 5
+_FEWEST_FOR_SPREAD = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +104,7 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
 
 def _parted(rows: pandas.DataFrame, columns: tuple[str, ...]) -> list[pandas.DataFrame]:
     """The rows by equal values, NaN equal to NaN, in the order in which they come."""
-    keys = [tuple(map(str, values)) for values in zip(*(rows[name] for name in columns), strict=True)]
-    places: dict[tuple[str, ...], list[int]] = {}
-    for place, key in enumerate(keys):
-        places.setdefault(key, []).append(place)
-    return [rows.iloc[found] for found in places.values()]
+    return [part for _, part in rows.groupby(list(columns), dropna=False, sort=False)]
 
 
 def _shared_facts(rows: pandas.DataFrame) -> dict[str, Any]:
@@ -146,8 +141,7 @@ def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
 
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
-    units = {"acceleration": ("a", 1e3), "speed": ("v", 1e3), "side": ("i", 1.0), "fraction": ("s", 1.0)}
-    units["angle"] = ("t", 1.0)
+    units = {"acceleration": ("a", 1e3), "speed": ("v", 1e3), "side": ("i", 1), "fraction": ("s", 1), "angle": ("t", 1)}
     longer = []
     for _, facts in sets:
         told = {letter: facts[key] * unit for key, (letter, unit) in units.items() if key in facts}
@@ -189,8 +183,8 @@ def push_statistics(pushes: PushSet) -> PushStatistics:
     """The set's row of the table; with fewer than five pushes of known motion it has a problem and no numbers."""
     known = np.isfinite(pushes.dtheta)
     count = int(np.sum(known))
-    if count < FEWEST_FOR_SPREAD:
-        reason = f"too few pushes with a known end for a spread: {count} of {FEWEST_FOR_SPREAD}"
+    if count < _FEWEST_FOR_SPREAD:
+        reason = f"too few pushes with a known end for a spread: {count} of {_FEWEST_FOR_SPREAD}"
         return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
     dtheta, dx, dy = (
         MotionStatistics(count, float(np.mean(one[known])), float(np.std(one[known], ddof=1)))

@@ -19,11 +19,9 @@ from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measur
 from cyclemap.evidence.tables.push_sets import FEWEST, QUANTITIES, PushSet, PushStatistics, push_statistics
 
 # Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told from chance.
-FEWEST_FOR_SCATTER = 100
-DEFAULT_BINS = 40
-DEFAULT_RUNS = 200
+_FEWEST_FOR_SCATTER = 100
 # Points of the distribution functions in a bin, for their distance.
-FINER = 4
+_FINER = 4
 _MARGIN = 3.0
 
 
@@ -103,7 +101,7 @@ def motion_law(
     if values.size < FEWEST:
         reason = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
         return MotionLaw(quantity, angles, values, None, float("nan"), reason)
-    noise = None if values.size >= FEWEST_FOR_SCATTER else 0
+    noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
     try:
         law = fit_periodic_law(angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed)
     except (InvalidInput, ConvergenceError) as error:
@@ -156,8 +154,8 @@ def turn_histogram(
     value: ArrayLike,
     law: PeriodicLaw,
     *,
-    bins: int = DEFAULT_BINS,
-    runs: int = DEFAULT_RUNS,
+    bins: int = 40,
+    runs: int = 200,
     seed: int = 0,
 ) -> TurnHistogram:
     """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these orientations.
@@ -184,12 +182,12 @@ def turn_histogram(
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
     measured = np.histogram(values, edges)[0]
-    grid = np.linspace(edges[0], edges[-1], FINER * bins + 1)
+    grid = np.linspace(edges[0], edges[-1], _FINER * bins + 1)
     spread, alone, seen = _mixture(grid, centre, noise), _empirical(grid, centre), _empirical(grid, values)
-    in_bins = [cumulative[::FINER] for cumulative in (seen, spread, alone)]
+    in_bins = [cumulative[::_FINER] for cumulative in (seen, spread, alone)]
     observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
     # Total variations of sets simulated from the law, each against its own refitted law of the same order.
-    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::FINER]
+    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::_FINER]
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     columns, free = fourier_columns(angles, law.harmonics), angles.size - law.coefficients.size
     solve = weighted_least_squares(columns, centre, noise**-2)[1] @ (columns / noise[:, np.newaxis] ** 2).T
