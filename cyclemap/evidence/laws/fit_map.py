@@ -38,12 +38,11 @@ from cyclemap.maps import (
     sample_staircase,
 )
 
-MAX_WEAR_DEGREE = 4
+MAX_WEAR_DEGREE, HARMONICS = 4, 6
 # Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
-BLEND_TOLERANCE = 1e-4
-HARMONICS = 6
+_BLEND_TOLERANCE = 1e-4
 # Radians: no angle is measured better than this.
-LEAST_SCATTER = 1e-9
+_LEAST_SCATTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +52,7 @@ class WornLaw:
     coefficients : (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in ``PeriodicLaw``.
     first, last : the cycles s = -1 and s = 1; outside them the law stays as it is at the nearer one.
     whole : the law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does not wear.
-    covariance : of the coefficients, shape (degree + 1, 2K + 1, degree + 1, 2K + 1).
-    rmse_by_order : (degrees, orders) the cross-validated RMSE of each degree (rows) and order (columns); inf where it
-        cannot be fitted, None where both were given.
+    covariance : (degree + 1, 2K + 1, degree + 1, 2K + 1). rmse_by_order : (degrees, orders), as in ``PeriodicLaw``.
     """
 
     coefficients: Array
@@ -68,12 +65,12 @@ class WornLaw:
     @property
     def degree(self) -> int:
         """The degree of the polynomials; 0 for a law that does not wear."""
-        return int(self.coefficients.shape[0]) - 1
+        return len(self.coefficients) - 1
 
     @property
     def harmonics(self) -> int:
         """How many harmonics the law has at each cycle."""
-        return int(self.coefficients.shape[1]) // 2
+        return len(self.coefficients[0]) // 2
 
     @property
     def sigma(self) -> float:
@@ -182,13 +179,12 @@ class FittedMap:
     def drifting_map(self, cycles: int, first: float | None = None) -> DriftingMap:
         """The map that wears as measured, for ``cycles`` cycles; its cycle 0 is the measured cycle ``first``.
 
-        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad. Before and after the
-        measured cycles the wear stands still: nothing is extrapolated.
+        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad.
         """
         worn = self._worn()
         start = worn.first if first is None else finite_number("first", first)
         count = whole_number("cycles", cycles, least=1)
-        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, BLEND_TOLERANCE)
+        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, _BLEND_TOLERANCE)
 
     def paths(self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0) -> Array:
         """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad, unwrapped, starts first.
@@ -263,11 +259,10 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredStaircase:
-    """A measured path, and the staircase of the map fitted to it.
+    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
 
-    path : (m,) rad, unwrapped. steps : the dwells and steps found in it, without a model.
-    fitted : the map and noise fitted to its pairs. prediction : the staircase of that map, on average.
-    run : one noisy run of it, as long as the path and from the same start.
+    steps : the dwells and steps found in the path, without a model. fitted : the map and noise fitted to its pairs.
+    prediction : the staircase of that map, on average. run : one noisy run of it, as long and from the same start.
     comparison : the path against the prediction, its visits counted in the predicted slow zones.
     """
 
@@ -286,25 +281,18 @@ class MeasuredStaircase:
 
 
 def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
-    """Find the steps of the measured path, fit its map, and predict the staircase from that.
+    """Find the steps of the measured path, fit its map, and predict the staircase from that: wear counts as noise.
 
-    The fit takes all pairs alike: where the surface wears, its noise contains the wear.
     Raises InvalidInput where the order of the pushes is unknown, or the pairs do not fix the map.
     """
     path = pairs.unbroken.path
     if path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
-    if fitted.sigma < LEAST_SCATTER:
+    if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
-    prediction = predict_staircase(fitted_map, noise)
-    visits = find_steps(path, zones=prediction.zones) if prediction.zones else find_steps(path)
-    return MeasuredStaircase(
-        path=path,
-        steps=find_steps(path),
-        fitted=fitted,
-        prediction=prediction,
-        run=sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed),
-        comparison=compare_steps(visits, prediction),
-    )
+    prediction, steps = predict_staircase(fitted_map, noise), find_steps(path)
+    visits = find_steps(path, zones=prediction.zones) if prediction.zones else steps
+    run = sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed)
+    return MeasuredStaircase(path, steps, fitted, prediction, run, compare_steps(visits, prediction))

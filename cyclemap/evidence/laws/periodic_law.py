@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, read_only, whole_number
@@ -22,38 +22,33 @@ from cyclemap.evidence.laws.linear_fit import (
     weighted_least_squares,
 )
 
-MAX_NOISE_HARMONICS = 3
-TOLERANCE = 1e-12
-MAX_ROUNDS = 500
+MAX_HARMONICS, _MAX_NOISE_HARMONICS = 12, 3
+_TOLERANCE, _MAX_ROUNDS = 1e-12, 500
 # Residuals this small beside the values are rounding: there is no scatter to describe.
-ROUNDING = 1e-12
+_ROUNDING = 1e-12
 # e to this is far beyond any ratio of variances, and its square is still a number.
 _LARGEST_EXPONENT = 300.0
-MAX_HARMONICS = 12
 
 
 def fit_with_scatter(
     theta: Array, design: Array, value: Array, noise_harmonics: int | None = 0, seed: int = 0
 ) -> tuple[LinearFit, Array]:
-    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ.
-
-    noise_harmonics : q; 0 for constant scatter, None chooses up to 3.
-    """
+    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ."""
     order = None if noise_harmonics is None else whole_number("noise_harmonics", noise_harmonics, least=0)
     fit = fit_linear(design, value)
-    if fit.sigma <= ROUNDING * float(np.max(np.abs(value))):
+    if fit.sigma <= _ROUNDING * float(np.max(np.abs(value))):
         if order:
             raise InvalidInput(f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0")
         order = 0
     elif order is None:
-        order = choose_noise_harmonics(theta, design, value, cycle_folds(value.size, seed))
+        order = _noise_harmonics(theta, design, value, seed)
     if order == 0:
         # No scatter at all has no logarithm: the smallest positive number stands for it.
         return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
     # Reweighted least squares: the mean with weights 1/variance, the log-variance of its residuals, and so on to the
     # maximum of the normal likelihood; the variance is then raised by n/(n - p).
     columns, weight, change = fourier_columns(theta, order), np.ones(value.size), np.inf
-    for _ in range(MAX_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         coefficients, _ = weighted_least_squares(design, value, weight)
         gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
         renewed = np.exp(-(columns @ gamma))
@@ -91,13 +86,13 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
 
     gamma = np.zeros(columns.shape[1])
     gamma[0] = np.log(np.mean(squares))
-    for _ in range(MAX_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         ratio = squares * np.exp(-(columns @ gamma))
         slope = columns.T @ (1.0 - ratio)
         curvature = columns.T @ (columns * ratio[:, np.newaxis])
         step = np.asarray(np.linalg.lstsq(curvature, -slope, rcond=None)[0], dtype=np.float64)
         decrease = float(-slope @ step) / squares.size
-        if decrease < TOLERANCE:
+        if decrease < _TOLERANCE:
             return gamma
         # The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule).
         start, share = loss(gamma), 1.0
@@ -111,17 +106,17 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
     raise ConvergenceError(f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics")
 
 
-def choose_noise_harmonics(theta: Array, design: Array, value: Array, fold: NDArray[np.int64]) -> int:
+def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> int:
     """The order of the log-variance that gives values left out the largest likelihood, by the one-standard-error rule.
 
     The residuals are those of prediction: each from the law fitted without its own fold. 0 is constant scatter.
     """
+    fold = cycle_folds(value.size, seed)
     squares = nested_errors(design, value, np.array([design.shape[1]]), fold)[:, 0]
     if not np.isfinite(squares).all():
-        raise InvalidInput(
-            "the law cannot be fitted with a fold left out; give more pairs, or noise_harmonics yourself"
-        )
-    orders = np.arange(MAX_NOISE_HARMONICS + 1)
+        told = "the law cannot be fitted with a fold left out"
+        raise InvalidInput(f"{told}; give more pairs, or noise_harmonics yourself")
+    orders = np.arange(_MAX_NOISE_HARMONICS + 1)
     losses = np.empty((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)
@@ -142,7 +137,6 @@ class LawBand:
     """
 
     theta: Array
-    level: float
     centre: Array
     mean_lower: Array
     mean_upper: Array
@@ -235,7 +229,7 @@ class PeriodicLaw:
         quantile = student_quantile(level, self.count - self.coefficients.size)
         centre, error = self(angles), self.standard_error(angles)
         mean, one = quantile * error, quantile * np.hypot(error, self.noise(angles))
-        return LawBand(angles, float(level), centre, centre - mean, centre + mean, centre - one, centre + one)
+        return LawBand(angles, centre, centre - mean, centre + mean, centre - one, centre + one)
 
 
 def fit_periodic_law(
@@ -319,11 +313,11 @@ def law_of(fit: LinearFit, log_variance: Array, values: Array, rmse_by_order: Ar
     off = fit.residuals
     power = float(off @ off)
     return PeriodicLaw(
-        coefficients=fit.coefficients,
-        covariance=fit.covariance,
-        log_variance=log_variance,
-        sigma=fit.sigma,
-        count=values.size,
+        fit.coefficients,
+        fit.covariance,
+        log_variance,
+        fit.sigma,
+        values.size,
         rmse=float(np.sqrt(np.mean(off**2))),
         mean=float(np.mean(values)),
         total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
@@ -336,7 +330,6 @@ def paired_arrays(name: str, theta: ArrayLike, value: ArrayLike) -> tuple[Array,
     """``theta`` and ``value`` as finite arrays (n,), n ≥ 1; InvalidInput otherwise."""
     angles, values = finite_array("theta", theta, ndim=1), finite_array(name, value, ndim=1)
     if angles.shape != values.shape or angles.size == 0:
-        raise InvalidInput(
-            f"theta and {name} have {angles.size} and {values.size} entries; give equally many, one or more"
-        )
+        sizes = f"{angles.size} and {values.size} entries"
+        raise InvalidInput(f"theta and {name} have {sizes}; give equally many, one or more")
     return angles, values
