@@ -63,15 +63,6 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
     assert np.all((band.mean_lower <= truth.turn(GRID)) & (truth.turn(GRID) <= band.mean_upper))
 
 
-def test_turning_the_world_conjugates_the_fitted_map_and_whole_turns_change_nothing() -> None:
-    theta, theta_next, _ = worn_pairs(0, 0.02)
-    by = 1.1 + TURN * np.random.default_rng(0).integers(-3, 4, theta.size)
-    one, turned = fit_map(theta, theta_next), fit_map(theta + by, theta_next + by)
-    assert turned.law.harmonics == one.law.harmonics
-    assert np.allclose(turned.map(GRID + 1.1), one.map(GRID) + 1.1, atol=1e-10)
-    assert turned.sigma == pytest.approx(one.sigma, rel=1e-9)
-
-
 @pytest.mark.slow
 def test_wear_without_noise_is_found_exactly_with_its_degree() -> None:
     theta, theta_next, cycle = worn_pairs(0, 0.0)
