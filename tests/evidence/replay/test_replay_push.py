@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from made_replays import START, clock, model_of, record_of, world
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.replay.replay_push import BEND, replay_push, tip_path
 from cyclemap.mechanics import Pose, WorldPush
 
@@ -63,8 +63,7 @@ def test_a_tip_that_trembles_backwards_never_travels_back_and_one_that_stays_is_
     place = np.column_stack([[0.0, 0.01, 0.0099, 0.02, 0.0198, 0.03], np.zeros(6)])
     assert tip_path(table(place)).travel == pytest.approx([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
     for far, told in ((0.0005, r"0\.5"), (0.0, "0")):
-        with pytest.raises(InvalidInput, match=f"the tip moves {told} mm: it pushes nothing"):
-            tip_path(table([[0.0, 0.0], [far, 0.0]]))
+        refused(tip_path, table([[0.0, 0.0], [far, 0.0]]), told=f"the tip moves {told} mm: it pushes nothing")
 
 
 MILLIMETRE = 1e-3
@@ -147,8 +146,8 @@ def test_an_overlap_of_more_than_5_mm_is_refused_with_its_size() -> None:
     record, _ = simulated(model)
     tip = record.tip_pose.copy()
     tip[:, 1:3] += world(START, (0.0, 0.040)) - tip[0, 1:3]
-    with pytest.raises(InvalidInput, match=r"starts 9\.75 mm inside the object"):
-        replay_push(type(record)(record.object_pose, tip, record.ft_wrench), model)
+    inside = type(record)(record.object_pose, tip, record.ft_wrench)
+    refused(replay_push, inside, model, told=r"starts 9\.75 mm inside the object")
 
 
 @pytest.mark.parametrize("name", ["rect1", "ellip2"])
