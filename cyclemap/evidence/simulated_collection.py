@@ -55,13 +55,11 @@ _RECORDED = 60
 class CollectionPlan:
     """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
 
-    noise : see `RecordingNoise`. cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on
-    the cycle before. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
-    that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`);
-    None: the surface wears as its material says.
-    seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
-    cycle_loops : the loop of each of the `cycles`, where pushes or way-points change from one to the next; None: `loop`
-    in all. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag; None: none.
+    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle before. speed : of the
+    rod, m/s. wear_to : the surface at the last cycle, to which the limit ellipse goes in a straight line from the
+    loop's own (see `worn_friction`); None: it wears as its material says. scans : whether friction scans, of the fresh
+    surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`, where pushes or way-points
+    change. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag.
 
     Raises InvalidInput for a value that cannot be used.
     """
@@ -205,8 +203,8 @@ class CollectionFolder:
     def known_theta(self) -> list[float]:
         """The true θ0 of the cycles that are complete, and of the next: where to go on; the start if there are none.
 
-        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before: a
-        cycle is complete as long as neither is other than it was written. What comes behind does not count, and goes.
+        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before; what
+        comes behind a broken seal does not count, and goes.
         """
         truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
         lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
@@ -272,20 +270,19 @@ def simulate_collection(
 
     Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n + ξ_n with
     ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to `loop.accuracy`) and α_n the
-    turn by a gripper, if any.
-    The drag back is not recorded. See `record_push` for the series and their accuracy, `record_scan` for scans.
+    turn by a gripper, if any. The drag back is not recorded. See `record_push` for the series and their accuracy.
 
     asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), cycle_noise (`LocalNoise`), speed (m/s),
     wear_to (`Material`), seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction
     done.
 
-    Every file is there whole or not at all. Random numbers depend on seed and cycle alone, so that a run that was
-    broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit:
-    what was changed, cut or emptied since it was written is made again, and all pushes behind it.
+    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run that was broken off
+    and is called again with the same arguments ends with the files of an undisturbed one, bit for bit; what was
+    changed, cut or emptied since it was written is made again, and all pushes behind it.
 
     Raises InvalidInput for bad arguments, a folder that holds something else or was begun with others; CycleMapError
-    where another process writes to it; OSError where
-    it cannot be written; ConvergenceError or UnsupportedContact where a push leads out of what the mechanics can do.
+    where another process writes to it; OSError where it cannot be written; ConvergenceError or UnsupportedContact where
+    a push leads out of what the mechanics can do.
 
     >>> import tempfile
     >>> from cyclemap.evidence.pushes.push_table import load_pushes

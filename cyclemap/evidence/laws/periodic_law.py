@@ -150,10 +150,9 @@ class PeriodicLaw:
 
     coefficients : (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ... covariance : (2K + 1, 2K + 1) of these.
     log_variance : (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for constant scatter.
-    sigma : root mean square scatter of one value about the law, degrees of freedom counted.
-    count : values fitted. rmse : root mean square residual. mean, total_std : of the values themselves.
-    lag_correlation : correlation of each residual with the next in order of recording; far from 0, the covariance,
-        that of independent residuals, is too small.
+    sigma : root mean square scatter of one value about the law, degrees of freedom counted. rmse : of the residuals.
+    count, mean, total_std : of the values fitted. lag_correlation : of each residual with the next in order of
+        recording; far from 0, the covariance, that of independent residuals, is too small.
     rmse_by_order : (orders,) root mean square error in values left out, by order, inf where it cannot be fitted; None
         where the order was given.
     """
@@ -249,7 +248,6 @@ def fit_periodic_law(
     noise_harmonics : the order of the log-variance of the scatter in θ; 0 takes it constant, None chooses from 0 to 3
         by cross-validated likelihood. Where it is not 0 the law is the one of maximum likelihood, and its order is
         chosen twice: with equal weights, then with the weights 1/variance (of mean 1) of that first law.
-    A law of a fixed order does not depend on the order of the values.
 
     Raises InvalidInput for lists of different lengths, values that are not finite, and too few values for the order.
 

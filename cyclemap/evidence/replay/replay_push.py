@@ -87,12 +87,10 @@ class Replay:
     """A recorded push beside its prediction, at the times of the recorded poses.
 
     time : (n,) s. measured, predicted : (n, 3), x, y (m) and theta (rad, counted along the series).
-    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place.
-    shift : (2,) m, by which the recorded path was moved: by the offset that was given, and on so that the rod does not
-        start inside the object. start_gap : m, between rod and object at the start with the offset alone; negative:
-        they overlap.
+    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place. outline : (k, 2) m, the object's, closed.
+    shift : (2,) m, by which the recorded path was moved: the offset that was given, and what takes the rod out of the
+        object at the start. start_gap : m, between rod and object there with the offset alone; negative: they overlap.
     straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand for it.
-    outline : (k, 2) m, the object's closed outline in its own frame.
     touched, left : whether the predicted rod touches the object, and has lost it by the end.
     touch_agrees : whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod travel, or neither does.
     leaving_agrees : whether the rod ends over 3 mm from both objects, or from neither.
@@ -144,11 +142,9 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is a single push. The
     model is quasi-static: the tip's times say where the rod is, its speed changes nothing. A rod that overlaps the
     object at the start by up to 5 mm is an offset between two calibrations: the path is then shifted along the
-    outward normal until they touch. `offset` (m) is added to the path before, as far as it is known. A rod that never
-    touches predicts no motion.
-
-    Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and ConvergenceError as
-    `QuasiStaticModel.push` does.
+    outward normal until they touch. `offset` (m) is added to the path before. A rod that never touches predicts no
+    motion. Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and
+    ConvergenceError as `QuasiStaticModel.push` does.
 
     >>> from cyclemap.mechanics import EllipseFriction, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
@@ -165,7 +161,12 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], path.travel)
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
-    onsets = [_onset(poses, travel, model.unit) for poses in (measured, predicted)]
+    onsets = []
+    for poses in (measured, predicted):
+        # Travel at which the object begins to move; NaN: never.
+        off = poses - poses[0]
+        far = np.hypot(*off[:, :2].T) + model.unit * np.abs(off[:, 2]) > _MOVED
+        onsets.append(float(travel[far.argmax()]) if far.any() else math.nan)
     last = (float(tip[-1, 0]), float(tip[-1, 1]))
     apart = [rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK for poses in (measured, predicted)]
     return Replay(
@@ -184,10 +185,3 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         touch_agrees=bool(np.isnan(onsets).all()) or abs(onsets[0] - onsets[1]) <= CONTACT_SLACK,
         leaving_agrees=apart[0] == apart[1],
     )
-
-
-def _onset(poses: Array, travel: Array, extent: float) -> float:
-    """Travel at which the object begins to move; NaN: never."""
-    moved = poses - poses[0]
-    far = np.hypot(*moved[:, :2].T) + extent * np.abs(moved[:, 2]) > _MOVED
-    return float(travel[far.argmax()]) if far.any() else math.nan

@@ -89,15 +89,13 @@ def dataset_sliders() -> dict[str, Slider]:
 
 @dataclass(frozen=True, eq=False)
 class ReplayedPushes:
-    """Pushes replayed, a row each, and the files left out.
+    """Pushes replayed, a row each, and the files left out, each with the reason; replays in the order of the table.
 
-    table : a row a replay. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
-        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus measured): at the end.
-        `isotropic_error`, `isotropic_turn_error`: those of isotropic friction under even pressure.
-        `rms_error`, `rms_turn_error`: along the rod's path. `measured_motion`, `predicted_motion` (m),
-        `measured_turn`, `predicted_turn` (rad). `shift` (m), `start_gap` (m), `straightness` (m), `strokes`,
-        `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`. `path`: the file.
-    replays : in the order of the table. not_replayed : the other files, each with the reason.
+    table : `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`, `repetition`: by the file's
+        name. `error` (m), `turn_error` (rad, predicted minus measured): at the end; `isotropic_error`,
+        `isotropic_turn_error`: of isotropic friction under even pressure; `rms_error`, `rms_turn_error`: along the
+        rod's path. `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn` (rad),
+        `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`.
     """
 
     table: pandas.DataFrame

@@ -118,14 +118,13 @@ def motion_law(
 class TurnHistogram:
     """Measured and predicted counts of the same number of pushes, in equal bins, in the unit of the values.
 
-    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is drawn from the measured ones
-        and projected by the law with its scatter; what falls outside the edges counts in the outer bins.
+    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is one of the measured ones and
+        projected by the law with its scatter; what falls outside the edges counts in the outer bins.
     law_alone : (k,) the same without scatter, as Ma & Rodriguez (2018) drew it.
     total_variation, law_alone_total_variation : ½ Σ |measured - predicted|/n in [0, 1].
     distance, law_alone_distance : Wasserstein distance of order 1 of the values, ∫ |F - G|, in their unit.
-    chance : the total variation of the same count of pushes simulated from the law and refitted: its null quantiles,
-        and the p-value of the measured one. Residuals are taken independent and normal: where they are correlated in
-        time, as wear makes them, p is too small.
+    chance : of the total variation of as many pushes simulated from the law and refitted. Residuals are taken
+        independent and normal: where they are correlated in time, as wear makes them, p is too small.
     """
 
     edges: Array
@@ -160,9 +159,8 @@ def turn_histogram(
 ) -> TurnHistogram:
     """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these orientations.
 
-    Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations: the mean of endlessly many
-    draws of θ0 from the measured ones, computed and not drawn. A law fitted to the same values knows them: ``chance``
-    refits each simulated set, and so allows for that. Time: about 2 ms a run for 2000 pushes.
+    Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations. A law fitted to the same values
+    knows them: ``chance`` refits each simulated set, and so allows for that. Time: about 2 ms a run for 2000 pushes.
 
     Raises InvalidInput for lists of different lengths, fewer values than coefficients, and values all alike.
 
