@@ -55,11 +55,11 @@ _RECORDED = 60
 class CollectionPlan:
     """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
 
-    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle before. speed : of the
-    rod, m/s. wear_to : the surface at the last cycle, to which the limit ellipse goes in a straight line from the
-    loop's own (see `worn_friction`); None: it wears as its material says. scans : whether friction scans, of the fresh
-    surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`, where pushes or way-points
-    change. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag.
+    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle before. speed :
+    m/s, of the rod. wear_to : the surface at the last cycle, to which the limit ellipse goes in a straight line from
+    the loop's own (see `worn_friction`); None: it wears as its material says. scans : whether friction scans, of the
+    fresh surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`, where pushes or
+    way-points change. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag.
 
     Raises InvalidInput for a value that cannot be used.
     """
