@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
 SURROUNDINGS, CONTACT = ("surface", "object", "acceleration", "speed"), ("side", "fraction", "angle")
-_TEXT = ("surface", "object")
+_FACTS, _TEXT = (*SURROUNDINGS, *CONTACT), ("surface", "object")
 QUANTITIES = ("dtheta", "dx", "dy")
 # Two values have a spread; nobody should quote that of fewer than this many.
 _FEWEST_FOR_SPREAD = 5
@@ -72,14 +72,19 @@ def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None
     """
     table = selected_pushes(pushes.table, select or {})
     homes = [path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent) for path in table["path"]]
-    gathered = []
+    gathered: list[tuple[Path, dict[str, Any], pandas.DataFrame]] = []
     for home in dict.fromkeys(homes):
-        rows = table[[other == home for other in homes]]
-        parts = _parted(rows, (*SURROUNDINGS, *CONTACT))
-        repeated = any(len(part) >= FEWEST for part in parts)
-        gathered += [(home, part) for part in (parts if repeated else _parted(rows, SURROUNDINGS))]
-    names = _names([(Path(home), _shared_facts(part)) for home, part in gathered])
-    return tuple(_push_set(name, Path(home), part) for name, (home, part) in zip(names, gathered, strict=True))
+        rows, parts = table[[other == home for other in homes]], list[Any]()
+        for columns in ([*_FACTS], [*SURROUNDINGS]):
+            parts = [part for _, part in rows.groupby(columns, dropna=False, sort=False)]
+            if any(len(part) >= FEWEST for part in parts):
+                break
+        for part in parts:
+            shared = {name: part[name].iloc[0] for name in _FACTS if part[name].nunique(dropna=False) == 1}
+            known = {name: one for name, one in shared.items() if isinstance(one, str) or not math.isnan(one)}
+            gathered.append((Path(home), known, part))
+    names = _names([(home, facts) for home, facts, _ in gathered])
+    return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
 
 
 def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
@@ -89,8 +94,8 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     """
     kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
-        if column not in (*SURROUNDINGS, *CONTACT):
-            raise unknown_name("column", column, (*SURROUNDINGS, *CONTACT))
+        if column not in _FACTS:
+            raise unknown_name("column", column, _FACTS)
         cells = table[column]
         same = cells == value if column in _TEXT else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
         if not np.any(same):
@@ -102,18 +107,8 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     return table[kept]
 
 
-def _parted(rows: pandas.DataFrame, columns: tuple[str, ...]) -> list[pandas.DataFrame]:
-    """The rows by equal values, NaN equal to NaN, in the order in which they come."""
-    return [part for _, part in rows.groupby(list(columns), dropna=False, sort=False)]
-
-
-def _shared_facts(rows: pandas.DataFrame) -> dict[str, Any]:
-    first = {name: rows[name].iloc[0] for name in (*SURROUNDINGS, *CONTACT) if rows[name].nunique(dropna=False) == 1}
-    return {name: value for name, value in first.items() if isinstance(value, str) or not math.isnan(value)}
-
-
-def _push_set(name: str, home: Path, rows: pandas.DataFrame) -> PushSet:
-    contacts = len(_parted(rows, CONTACT))
+def _push_set(name: str, home: Path, facts: dict[str, Any], rows: pandas.DataFrame) -> PushSet:
+    contacts = rows.groupby([*CONTACT], dropna=False).ngroups
     repetition = rows["repetition"].to_numpy()
     ordered = contacts == 1 and np.isfinite(repetition).all() and np.unique(repetition).size == repetition.size
     if ordered:
@@ -133,7 +128,7 @@ def _push_set(name: str, home: Path, rows: pandas.DataFrame) -> PushSet:
         turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
         path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
         pairs = Theta0Pairs(path[known], path[known] + (theta_next - theta)[known], path, {}, number[known], number)
-    return PushSet(name, home, _shared_facts(rows), contacts, theta, **motion, pairs=pairs)
+    return PushSet(name, home, facts, contacts, theta, **motion, pairs=pairs)
 
 
 def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
