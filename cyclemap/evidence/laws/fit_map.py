@@ -97,7 +97,6 @@ def fit_worn_law(
     harmonics: int | None = None,
     max_harmonics: int = MAX_HARMONICS,
     degree: int | None = None,
-    max_degree: int = MAX_WEAR_DEGREE,
     noise_harmonics: int | None = 0,
     seed: int = 0,
 ) -> WornLaw:
@@ -123,7 +122,7 @@ def fit_worn_law(
         raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
     orders = candidate_orders("harmonics", harmonics, max_harmonics)
-    degrees = candidate_orders("degree", degree, max_degree)
+    degrees = candidate_orders("degree", degree, MAX_WEAR_DEGREE)
     polynomials = _polynomials(cycles, first, last, max(degrees))
     fit, log_variance, order, power, errors = fit_series(
         angles, values, polynomials, orders, degrees, noise_harmonics, seed
@@ -216,14 +215,13 @@ def fit_map(
     noise_harmonics: int | None = 0,
     cycle: ArrayLike | None = None,
     wear_degree: int | None = None,
-    max_wear_degree: int = MAX_WEAR_DEGREE,
     seed: int = 0,
 ) -> FittedMap:
     """Fit the cycle map to measured pairs: the turn θ_next - θ as a Fourier series of θ.
 
     theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn.
     cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice of ``harmonics``
-        and polynomial degree (``wear_degree`` None chooses up to ``max_wear_degree``), see ``fit_worn_law``.
+        and polynomial degree (``wear_degree`` None chooses up to 4), see ``fit_worn_law``.
     The rest is as in ``fit_periodic_law``.
 
     Raises InvalidInput for lists of different lengths, values that are not finite, and too few pairs.
@@ -234,12 +232,12 @@ def fit_map(
     (0.8, 60)
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
-    options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics}
-    options |= {"noise_harmonics": noise_harmonics, "seed": seed}
+    options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics, "seed": seed}
+    options["noise_harmonics"] = noise_harmonics
     law = fit_periodic_law(angles, images - angles, **options)
     if cycle is None:
         return FittedMap(law)
-    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, max_degree=max_wear_degree, **options)
+    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, **options)
     return FittedMap(law, wear)
 
 

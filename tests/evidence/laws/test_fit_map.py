@@ -82,7 +82,7 @@ def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> 
     runs, degrees, covered = 50, [], []
     for seed in range(runs):
         theta, theta_next, cycle = worn_pairs(seed, 0.03)
-        degrees.append(fit_worn_law(theta, theta_next - theta, cycle, max_harmonics=4, max_degree=3, seed=seed).degree)
+        degrees.append(fit_worn_law(theta, theta_next - theta, cycle, max_harmonics=4, seed=seed).degree)
         law = fit_worn_law(theta, theta_next - theta, cycle, harmonics=2, degree=1)
         bands = [law.at(n).band(GRID) for n in (0.0, 600.0, 999.0)]
         truth = np.stack([worn_turn(GRID, n) for n in (0.0, 600.0, 999.0)])
@@ -98,7 +98,7 @@ def test_a_map_that_does_not_wear_is_found_to_have_degree_nought() -> None:
     chosen = []
     for seed in range(20):
         path = sample_staircase(CircleMap.arnold(0.2, 0.5), WrappedNormal(0.03), 600, seed=seed).theta
-        worn = fit_map(path[:-1], path[1:], cycle=np.arange(600), max_harmonics=5, max_wear_degree=3).wear
+        worn = fit_map(path[:-1], path[1:], cycle=np.arange(600), max_harmonics=5).wear
         assert worn is not None
         chosen.append((worn.harmonics, worn.degree))
     assert chosen.count((1, 0)) >= 18
@@ -128,7 +128,6 @@ def test_worn_paths_are_those_of_the_drifting_map() -> None:
         (lambda theta, ahead, cycle: (theta, ahead, cycle[1:]), {}, "cycle has 99 entries for 100 pairs"),
         (lambda theta, ahead, cycle: (theta, ahead, np.full(100, 3.0)), {}, "every cycle is 3"),
         (lambda *pairs: pairs, {"wear_degree": -1}, "degree must be at least 0"),
-        (lambda *pairs: pairs, {"max_wear_degree": -1}, "max_degree must be at least 0"),
     ],
 )
 def test_bad_input_is_refused_by_name(change, options, match) -> None:
