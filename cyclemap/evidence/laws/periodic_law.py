@@ -171,10 +171,9 @@ class PeriodicLaw:
     def __post_init__(self) -> None:
         size = finite_array("coefficients", self.coefficients, ndim=1).size
         if size % 2 == 0 or np.shape(self.covariance) != (size, size) or np.size(self.log_variance) % 2 == 0:
-            shapes = f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, {np.shape(self.log_variance)}"
-            raise InvalidInput(
-                f"coefficients, covariance, log_variance have shapes {shapes}, not (p,), (p, p), (q,), odd"
-            )
+            found = f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, {np.shape(self.log_variance)}"
+            told = f"coefficients, covariance, log_variance have shapes {found}"
+            raise InvalidInput(f"{told}, not (p,), (p, p), (q,), odd")
         for name in ("coefficients", "covariance", "log_variance"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 

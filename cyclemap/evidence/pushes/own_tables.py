@@ -360,18 +360,14 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
             meaning[name] = hits[0]
     if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
         after = meaning["theta1"]
-        raise DataFileError(
-            f"{path}: is {after} the orientation after the push, or before the next one? Say --columns theta1={after} "
-            f"or theta_next={after}"
-        )
+        told_by = f"Say --columns theta1={after} or theta_next={after}"
+        raise DataFileError(f"{path}: is {after} the orientation after the push, or before the next one? {told_by}")
     quaternion = set(_QUATERNION) & set(meaning)
     if quaternion and quaternion != set(_QUATERNION):
         raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
     if not {"theta0", "theta", "qw"} & set(meaning):
-        raise DataFileError(
-            f"{path}: no column of the object's orientation before each push: say which, --columns theta0=NAME; it has "
-            f"{have}"
-        )
+        mend = "say which, --columns theta0=NAME"
+        raise DataFileError(f"{path}: no column of the object's orientation before each push: {mend}; it has {have}")
     return meaning
 
 
@@ -411,31 +407,26 @@ def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:
     found: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
     ends = np.array(spans)
     for axis in ("x", "y"):
-        for end in (0, 1):
-            found[f"{axis}{end}"] = stream[axis][ends[:, end]] if axis in stream else np.zeros(len(spans))
+        place = stream.get(axis, np.zeros(stream["theta"].size))
+        found |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
     return found, words
 
 
 def _motions(stream: Columns) -> list[tuple[int, int]]:
     """First and last sample of each motion that rests divide."""
-    t, count = stream["t"], stream["theta"].size
-    step = max(float(np.median(np.diff(t))), 1e-6)
-    width = max(1, round(_SMOOTHED_SECONDS / step))
-    zero = np.zeros(count)
-    kernel = np.ones(2 * width + 1) / (2 * width + 1)
+    from scipy.ndimage import uniform_filter1d
+
+    t, zero = stream["t"], np.zeros(stream["t"].size)
+    width = max(1, round(_SMOOTHED_SECONDS / max(float(np.median(np.diff(t))), 1e-6)))
     courses = stream.get("x", zero), stream.get("y", zero), np.unwrap(stream["theta"])
-    smooth = [np.convolve(np.pad(course, width, "edge"), kernel, "valid") for course in courses]
-    x, y, turn = (np.gradient(course, t) for course in smooth)
+    x, y, turn = (np.gradient(uniform_filter1d(one, 2 * width + 1, mode="nearest"), t) for one in courses)
     moves = (np.hypot(x, y) > _SLOW) | (np.abs(turn) > _SLOW_TURN)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(np.int8), [0]])))
-    found: list[tuple[int, int]] = []
-    for low, high in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
-        if found and t[low] - t[found[-1][1]] < _REST_SECONDS:
-            found[-1] = (found[-1][0], high)
-        else:
-            found.append((low, high))
+    begin, end = edges[::2], edges[1::2] - 1
+    rests = t[begin[1:]] - t[end[:-1]] >= _REST_SECONDS
+    begin, end = begin[np.append(True, rests)[: begin.size]], end[np.append(rests, True)[: end.size]]
     # Where smoothing begins to see a motion the object may be on its way: go out to the rests' own samples.
-    return [(max(low - width, 0), min(high + width, count - 1)) for low, high in found]
+    return list(zip(np.maximum(begin - width, 0).tolist(), np.minimum(end + width, t.size - 1).tolist(), strict=True))
 
 
 def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
