@@ -208,29 +208,23 @@ class CollectionFolder:
         """
         truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
         lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
-        kept = [self._truth_line(0, self.plan.start, b"")]
-        if lines[:1] == kept:
-            for cycle, line in enumerate(lines[1 : self.plan.cycles + 1], 1):
-                try:
-                    value = plain_number(line.split()[1].decode())
-                except (IndexError, ValueError):
-                    break
-                if line != self._truth_line(cycle, value, kept[-1]):
-                    break
-                theta.append(value)
-                kept.append(line)
-        write_whole(truth, b"".join(kept))
-        self._last = kept[-1]
+        self._lines = [self._truth_line(0, self.plan.start, b"")]
+        for cycle, line in enumerate(lines[1 : self.plan.cycles + 1] if lines[:1] == self._lines else (), 1):
+            try:
+                value = plain_number(line.split()[1].decode())
+            except (IndexError, ValueError):
+                break
+            if line != self._truth_line(cycle, value, self._lines[-1]):
+                break
+            theta.append(value)
+            self._lines.append(line)
+        write_whole(truth, b"".join(self._lines))
         return theta
 
     def append_truth(self, cycle: int, theta: float) -> None:
-        """Add the θ0 of `cycle`, once the push before is written; a line cut short does not count when it is read."""
-        self._last = self._truth_line(cycle, theta, self._last)
-        try:
-            with (self.folder / TRUTH_FILE).open("ab") as file:
-                file.write(self._last)
-        except OSError as error:
-            raise OSError(f"{self.folder / TRUTH_FILE} cannot be written ({error.strerror})") from error
+        """Add the θ0 of `cycle`, once the push before is written."""
+        self._lines.append(self._truth_line(cycle, theta, self._lines[-1]))
+        write_whole(self.folder / TRUTH_FILE, b"".join(self._lines))
 
     def _truth_line(self, cycle: int, theta: float, before: bytes) -> bytes:
         """The cycle, its θ0, and a digest of these, of the push that led there and of the line before."""
