@@ -12,8 +12,7 @@ push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files 
 Fitting
 -------
 fit_map, FittedMap : a cycle map from pairs
-fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ, also one that wears
-LawBand : its bands
+fit_periodic_law, PeriodicLaw, LawBand, fit_worn_law, WornLaw : a periodic function of θ, its bands, one that wears
 fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path

@@ -236,11 +236,9 @@ class CollectionFolder:
 
 @dataclass(frozen=True)
 class SimulatedCollection:
-    """A complete collection.
+    """A complete collection: pushes, how many of them were made now and found there, friction scans, size of all files.
 
-    folder : where it is. cycles : pushes in it. written, resumed : how many of them were made now and found there.
-    scans : friction scans in it. theta_last : rad, not wrapped, the true θ0 of the last push.
-    bytes : size of all its files of pushes and scans.
+    theta_last : rad, not wrapped, the true θ0 of the last push.
     """
 
     folder: Path

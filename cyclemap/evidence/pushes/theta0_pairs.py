@@ -225,10 +225,7 @@ def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class TurnBins:
-    """The median turn in equal bins of θ0; only bins that hold at least three pairs are listed.
-
-    centre : (k,) rad in [0, 2π). median : (k,) rad. count : (k,) pairs.
-    """
+    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 that hold three pairs."""
 
     centre: Array
     median: Array
@@ -245,7 +242,7 @@ class AngleHistogram:
 
 @dataclass(frozen=True)
 class MapAgreement:
-    """How far measured turns lie from a map's: root mean squares over pairs and over bin medians (rad)."""
+    """How far measured turns lie from a map's: root mean squares over pairs, and over bin medians alike (rad)."""
 
     pairs: int
     rms: float
@@ -285,10 +282,7 @@ def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOverlay:
-    """Measured pairs with their medians by direction, their histogram, and their distance from a map.
-
-    The distance of the medians counts each bin once: rarely visited directions weigh as much as crowded ones.
-    """
+    """Measured pairs with their medians by direction, their histogram, and their distance from a map."""
 
     pairs: Theta0Pairs
     bins: TurnBins
