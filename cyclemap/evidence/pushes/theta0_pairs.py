@@ -225,7 +225,7 @@ def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class TurnBins:
-    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 that hold three pairs."""
+    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 with three or more."""
 
     centre: Array
     median: Array
