@@ -68,8 +68,24 @@ def contact_samples(push: PushRecord, outline: Array, rod_radius: float = MIT_RO
     The rod does not turn in the world. With q the rod's centre in the object's frame, t the tangent there and omega the
     object's rate of turning, its surface slides over the object at t . dq/dt - omega rod_radius.
     """
-    pressing, tangential, touching, place = _contact_frame(push, outline, rod_radius)
-    slip, window = _slip(*place, push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3], rod_radius)
+    pressing, tangential, touching, (time, rod, tangent, angle, tip) = _contact_frame(push, outline, rod_radius)
+    stroke = push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]
+    travel = tip @ stroke / max(float(np.hypot(*stroke)), _SHORTEST_STROKE)
+    steps, slip, window = np.diff(travel), np.full(len(time), math.nan), _FEWEST_IN_WINDOW
+    moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
+    if moving.size:
+        window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
+    if moving.size and window <= len(time):
+        # Rates are slopes of straight lines through a window of samples about each, nan at the ends.
+        views, values = np.lib.stride_tricks.sliding_window_view, np.column_stack([rod, angle, travel])
+        lever = views(time, window) - np.mean(views(time, window), axis=1, keepdims=True)
+        inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
+        rates = np.full(values.shape, math.nan)
+        rates[window // 2 : window // 2 + len(inner)] = inner
+        speed = rates[:, 3]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
+        slip = np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan)
     return ContactSamples(pressing, tangential, touching, slip, window)
 
 
@@ -94,30 +110,6 @@ def _contact_frame(
     inside = np.all(edge[:, 0] * away[..., 1] - edge[:, 1] * away[..., 0] > 0.0, axis=1)
     near = ~inside & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
     return pressing, tangential, near & (pressing >= LEAST_PRESSING), (time, rod, tangent, angle, tip)
-
-
-def _slip(
-    time: Array, rod: Array, tangent: Array, angle: Array, tip: Array, stroke: Array, rod_radius: float
-) -> tuple[Array, int]:
-    """Slip per travel of the rod (n,), and samples in a window."""
-    travel = tip @ stroke / max(float(np.hypot(*stroke)), _SHORTEST_STROKE)
-    steps = np.diff(travel)
-    moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
-    if not moving.size:
-        return np.full(len(time), math.nan), _FEWEST_IN_WINDOW
-    window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
-    if window > len(time):
-        return np.full(len(time), math.nan), window
-    # Rates are slopes of straight lines through a window of samples about each, nan at the ends.
-    views, values = np.lib.stride_tricks.sliding_window_view, np.column_stack([rod, angle, travel])
-    lever = views(time, window) - np.mean(views(time, window), axis=1, keepdims=True)
-    inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
-    rates = np.full(values.shape, math.nan)
-    rates[window // 2 : window // 2 + len(inner)] = inner
-    speed = rates[:, 3]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
-    return np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan), window
 
 
 def scan_forces(scan: ScanRecord) -> tuple[float, float]:
