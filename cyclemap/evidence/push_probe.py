@@ -64,9 +64,8 @@ class Harmonic:
 class Probe:
     """What a set of pushes from all around tells.
 
-    theta : (n,) rad. change : (n, 3) dx, dy (m, in the object's frame before the push), dtheta (rad).
-    harmonics : of each outcome. p_value : of pushes that are alike in all directions but for noise, over all harmonics
-    and outcomes. noise : (3,) standard deviation of what no harmonic explains.
+    theta : (n,) rad. change : (n, 3) dx, dy (m, in the object's frame before the push), dtheta (rad). p_value : of
+    pushes that are alike in all directions but for noise. noise : (3,) standard deviation of what no harmonic explains.
     anisotropy : of the friction ellipse under `loop` that mimics them; ratio, offset : its axes' ratio, 1 or more, and
     its centre over the mean radius, each (value, lower, upper) with 95 % confidence. explained : share of the pushes'
     dependence on orientation that it accounts for.
@@ -137,16 +136,14 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see `Probe`.
 
     Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes allow), and the ellipse by
-    least squares of the loop's own pushes, its mean motion left free: neither mean friction nor how the object rests
-    matters much then. Outcomes are weighted by the scatter that the harmonics leave. Intervals take noise as normal and
-    independent from push to push. Raises InvalidInput for fewer than 12 pushes, or ones that leave gaps of a quarter
-    turn.
+    least squares of the loop's own pushes, its mean motion left free; outcomes are weighted by the scatter that the
+    harmonics leave. Intervals take noise as normal and independent from push to push.
+    Raises InvalidInput for fewer than 12 pushes, or ones that leave gaps of a quarter turn.
     """
     angles, moved = finite_array("theta", theta, ndim=1), finite_array("change", change, last=3, ndim=2)
     if angles.size < FEWEST or len(moved) != angles.size:
-        raise InvalidInput(
-            f"{angles.size} orientations and {len(moved)} changes: give {FEWEST} or more, as many of both"
-        )
+        told = f"{angles.size} orientations and {len(moved)} changes"
+        raise InvalidInput(f"{told}: give {FEWEST} or more, as many of both")
     gaps = np.diff(np.sort(np.mod(angles, 2.0 * math.pi)))
     if max(float(gaps.max(initial=0.0)), 2.0 * math.pi - float(gaps.sum())) > 0.5 * math.pi:
         raise InvalidInput("the orientations leave a gap of more than a quarter turn: push from all around")
@@ -161,13 +158,10 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
             length = _length(fit.coefficients[rows], fit.covariance[rows, rows], angles.size - design.shape[1])
             found.append(Harmonic(name, number, *length))
     values, covariance, explained = _ellipse(angles, moved, noise, loop)
-    vector = Anisotropy.of_components(values)
-    free = 3 * angles.size - 7
-    return Probe(
-        loop, angles, moved, tuple(found), _p_value(moved, fits, noise, order), noise, vector,
-        tuple(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)),  # type: ignore[arg-type]
-        _length(values[:2], covariance[:2, :2], free), explained,
-    )  # fmt: skip
+    free, p_value, vector = 3 * angles.size - 7, _p_value(moved, fits, noise, order), Anisotropy.of_components(values)
+    value, lower, upper = (math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free))
+    offset = _length(values[:2], covariance[:2, :2], free)
+    return Probe(loop, angles, moved, tuple(found), p_value, noise, vector, (value, lower, upper), offset, explained)
 
 
 def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, float]:
@@ -189,10 +183,8 @@ def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> flo
     left = np.stack([fit.residuals for fit in fits], axis=-1) / noise
     floor = (_ROUNDING / noise) ** 2 * count * np.eye(3)
     log_ratio = np.linalg.slogdet(left.T @ left + floor)[1] - np.linalg.slogdet(centred.T @ centred + floor)[1]
-    p, q, free = 3.0, float(extra), count - extra - 1.0
-    s = math.sqrt((p * p * q * q - 4.0) / (p * p + q * q - 5.0))
-    m = free - 0.5 * (p - q + 1.0)
-    first, second = p * q, m * s - 0.5 * p * q + 1.0
+    s = math.sqrt((9.0 * extra**2 - 4.0) / (extra**2 + 4.0))
+    first, second = 3.0 * extra, (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
     root = math.exp(log_ratio / s)
     return float(stats.f.sf((1.0 - root) / max(root, 1e-300) * second / first, first, second))
 
@@ -268,10 +260,9 @@ def command_push(command: Sequence[str]) -> Push:
             told = json.loads(line)
             return 1e-3 * float(told["dx_mm"]), 1e-3 * float(told["dy_mm"]), math.radians(float(told["dtheta_deg"]))
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InvalidInput(
-                f'{command[0]} answered {line.strip()[:200]!r}: for each line {{"theta_deg": ...}} a line '
-                '{"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted, written out at once'
-            ) from error
+            wanted = 'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted'
+            answer = f"{command[0]} answered {line.strip()[:200]!r}"
+            raise InvalidInput(f"{answer}: {wanted}, written out at once") from error
 
     def close() -> None:
         process.terminate()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -29,10 +28,7 @@ MIT_TARGET = (0.350, -0.030)
 # The rod starts this far (m) before it touches.
 APPROACH = 0.001
 # As in the dataset: 120 mm through this place (m, robot's frame), every five degrees, twice each.
-SCAN_CENTRE = (0.350, -0.018)
-SCAN_STROKE = 0.120
-SCAN_STEP_DEGREES = 5
-SCAN_REPETITIONS = 2
+SCAN_CENTRE, SCAN_STROKE = (0.350, -0.018), 0.120
 
 
 @dataclass(frozen=True)
@@ -100,9 +96,9 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     against the object. If it lost the object it goes on to the end of its stroke alone. Wrenches are the object's on
     the rod, in the world; the torque is about the rod's axis. The object's angle is wrapped.
 
-    Rests, first and last pose are those of `push` to rounding. Between, poses and forces are cubic splines of the
-    rod's travel through the ends of the integration's steps, phase by phase. With steps of a sixtieth of 150 mm they
-    came, over 48 pushes of four shapes, within 4 micrometres, 4e-6 rad and 0.2 mN of a run ten times finer.
+    Rests, first and last pose are those of `push` to rounding; between, poses and forces are cubic splines of the rod's
+    travel through the ends of the integration's steps. With steps of a sixtieth of 150 mm they came, over 48 pushes of
+    four shapes, within 4 micrometres, 4e-6 rad and 0.2 mN of a run ten times finer.
     """
     seconds = recorded_seconds(distance, recording.speed)
     object_time, tip_time, wrench_time = (recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG))
@@ -150,12 +146,10 @@ def _states(push: PushResult, distance: float, travel: Array) -> Array:
     return state
 
 
-def scan_set(surface: str, shape: str, speed: float) -> Iterator[ScanFacts]:
+def scan_set(surface: str, shape: str, speed: float) -> list[ScanFacts]:
     """The scans of one object on one surface, as the dataset names them; speed in m/s."""
-    for degrees in range(0, 360, SCAN_STEP_DEGREES):
-        for repetition in range(SCAN_REPETITIONS):
-            direction = math.radians((degrees + 180) % 360)
-            yield ScanFacts(surface, shape, 0.0, speed, direction, float(repetition))
+    directions = np.radians((np.arange(0, 360, 5) + 180) % 360).tolist()
+    return [ScanFacts(surface, shape, 0.0, speed, one, repetition) for one in directions for repetition in (0.0, 1.0)]
 
 
 def record_scan(
@@ -163,9 +157,9 @@ def record_scan(
 ) -> ScanRecord:
     """Return what the instruments record of a stroke in `direction` (rad) of an object of `weight` (N).
 
-    Every point of the object slides the same way, so that the rod's force on it is the traction of the point's
-    friction times the weight, however the pressure is spread; the recorded one is the object's on the rod, and zero
-    while the rod rests, 0.25 s before and after. The rod holds the object at the friction's centre: no torque.
+    Every point of the object slides the same way, so that the rod's force on it is the traction of the point's friction
+    times the weight, however the pressure is spread; it is zero while the rod rests, 0.25 s before and after. The rod
+    holds the object at the friction's centre: no torque.
     """
     way = np.array([math.cos(direction), math.sin(direction)])
     seconds = 2.0 * REST_SECONDS + SCAN_STROKE / recording.speed

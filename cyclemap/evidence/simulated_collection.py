@@ -31,7 +31,7 @@ from cyclemap.evidence.recorded_push import (
 )
 from cyclemap.file_text import toml_text
 from cyclemap.maps import LocalNoise
-from cyclemap.mechanics import Material, SidePush
+from cyclemap.mechanics import Material
 from cyclemap.mechanics.friction import worn_friction
 from cyclemap.plain_text import plain_number
 from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
@@ -55,13 +55,11 @@ _RECORDED = 60
 class CollectionPlan:
     """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
 
-    noise : see `RecordingNoise`. cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on
-    the cycle before. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
-    that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`);
-    None: the surface wears as its material says.
-    seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
-    cycle_loops : the loop of each of the `cycles`, where pushes or way-points change from one to the next; None: `loop`
-    in all. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag; None: none.
+    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle before. speed :
+    m/s, of the rod. wear_to : the surface at the last cycle, to which the limit ellipse goes in a straight line from
+    the loop's own (see `worn_friction`); None: it wears as its material says. scans : whether friction scans, of the
+    fresh surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`, where pushes or
+    way-points change. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag.
 
     Raises InvalidInput for a value that cannot be used.
     """
@@ -96,18 +94,18 @@ class CollectionPlan:
         for turn in self.gripper_turns or ():
             finite_number("gripper turn", turn)
 
+    def new_loop_at(self, cycle: int) -> CollectionLoop:
+        """The loop of `cycle` (from 0) with the surface as it was at first."""
+        return self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
+
     def loop_at(self, cycle: int) -> CollectionLoop:
         """The loop with the surface as worn as it is at `cycle` (from 0)."""
-        loop = self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
+        loop = self.new_loop_at(cycle)
         if self.wear_to is None:
             return worn_loop(loop, cycle)
         share = cycle / (self.cycles - 1) if self.cycles > 1 else 0.0
         friction = worn_friction(loop.material.friction, self.wear_to.friction, share)
         return replace(loop, material=replace(loop.material, friction=friction))
-
-    def push_at(self, cycle: int) -> SidePush:
-        """The push of `cycle`."""
-        return self.loop.push if self.cycle_loops is None else self.cycle_loops[cycle].push
 
     def generator(self, stream: int, number: int) -> np.random.Generator:
         """The random numbers of one stream for one cycle, the same whatever was drawn before."""
@@ -138,30 +136,18 @@ class CollectionPlan:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
         loop, noise = self.loop, self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
-        parts = {field.name: getattr(loop, field.name) for field in fields(loop) if field.name != "material"}
-        by_cycle: Arguments = {}
+        found: Arguments = {"version": version("cyclemap"), "cycles": self.cycles, "seed": self.seed}
+        found |= {"start_rad": self.start, "material": loop.material.name, "friction": repr(loop.material.friction)}
+        found |= {"wear_to": "none" if wear is None else repr(wear), "speed_m_s": self.speed}
+        found |= {one.name: _short(repr(getattr(loop, one.name))) for one in fields(loop) if one.name != "material"}
+        found |= {"noise_turn_rad": noise.turn, "noise_position_m": noise.position, "noise_angle_rad": noise.angle}
+        found |= {"noise_force_n": noise.force, "scans": self.scans, "suffix": self.suffix}
+        if self.cycle_noise is not None:
+            found["cycle_noise"] = _short(repr(self.cycle_noise))
         if self.cycle_loops is not None or self.gripper_turns is not None:
             told = [(one.push, one.reset) for one in self.cycle_loops or ()], self.gripper_turns
-            by_cycle["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
-        return {
-            "version": version("cyclemap"),
-            "cycles": self.cycles,
-            "seed": self.seed,
-            "start_rad": self.start,
-            "material": loop.material.name,
-            "friction": repr(loop.material.friction),
-            "wear_to": "none" if wear is None else repr(wear),
-            **{name: _short(repr(part)) for name, part in parts.items()},
-            "speed_m_s": self.speed,
-            "noise_turn_rad": noise.turn,
-            **({} if self.cycle_noise is None else {"cycle_noise": _short(repr(self.cycle_noise))}),
-            "noise_position_m": noise.position,
-            "noise_angle_rad": noise.angle,
-            "noise_force_n": noise.force,
-            "scans": self.scans,
-            "suffix": self.suffix,
-            **by_cycle,
-        }
+            found["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
+        return found
 
 
 def _short(text: str) -> str:
@@ -184,8 +170,7 @@ class CollectionFolder:
         self.folder, self.plan = Path(folder), plan
         self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
         self.home = self.folder / self.surface / self.shape
-        arguments = plan.arguments()
-        record, unfinished = self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
+        arguments, record, unfinished = plan.arguments(), self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
             table = read_toml(record).get(SIMULATION)
@@ -210,7 +195,7 @@ class CollectionFolder:
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""
-        push, plan = self.plan.push_at(cycle), self.plan
+        push, plan = self.plan.new_loop_at(cycle).push, self.plan
         place = (float(push.side), push.fraction, push.angle, float(cycle))
         facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
         return self.home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
@@ -218,34 +203,28 @@ class CollectionFolder:
     def known_theta(self) -> list[float]:
         """The true θ0 of the cycles that are complete, and of the next: where to go on; the start if there are none.
 
-        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before: a
-        cycle is complete as long as neither is other than it was written. What comes behind does not count, and goes.
+        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before; what
+        comes behind a broken seal does not count, and goes.
         """
         truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
         lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
-        kept = [self._truth_line(0, self.plan.start, b"")]
-        if lines[:1] == kept:
-            for cycle, line in enumerate(lines[1 : self.plan.cycles + 1], 1):
-                try:
-                    value = plain_number(line.split()[1].decode())
-                except (IndexError, ValueError):
-                    break
-                if line != self._truth_line(cycle, value, kept[-1]):
-                    break
-                theta.append(value)
-                kept.append(line)
-        write_whole(truth, b"".join(kept))
-        self._last = kept[-1]
+        self._lines = [self._truth_line(0, self.plan.start, b"")]
+        for cycle, line in enumerate(lines[1 : self.plan.cycles + 1] if lines[:1] == self._lines else (), 1):
+            try:
+                value = plain_number(line.split()[1].decode())
+            except (IndexError, ValueError):
+                break
+            if line != self._truth_line(cycle, value, self._lines[-1]):
+                break
+            theta.append(value)
+            self._lines.append(line)
+        write_whole(truth, b"".join(self._lines))
         return theta
 
     def append_truth(self, cycle: int, theta: float) -> None:
-        """Add the θ0 of `cycle`, once the push before is written; a line cut short does not count when it is read."""
-        self._last = self._truth_line(cycle, theta, self._last)
-        try:
-            with (self.folder / TRUTH_FILE).open("ab") as file:
-                file.write(self._last)
-        except OSError as error:
-            raise OSError(f"{self.folder / TRUTH_FILE} cannot be written ({error.strerror})") from error
+        """Add the θ0 of `cycle`, once the push before is written."""
+        self._lines.append(self._truth_line(cycle, theta, self._lines[-1]))
+        write_whole(self.folder / TRUTH_FILE, b"".join(self._lines))
 
     def _truth_line(self, cycle: int, theta: float, before: bytes) -> bytes:
         """The cycle, its θ0, and a digest of these, of the push that led there and of the line before."""
@@ -257,11 +236,9 @@ class CollectionFolder:
 
 @dataclass(frozen=True)
 class SimulatedCollection:
-    """A complete collection.
+    """A complete collection: pushes, how many of them were made now and found there, friction scans, size of all files.
 
-    folder : where it is. cycles : pushes in it. written, resumed : how many of them were made now and found there.
-    scans : friction scans in it. theta_last : rad, not wrapped, the true θ0 of the last push.
-    bytes : size of all its files of pushes and scans.
+    theta_last : rad, not wrapped, the true θ0 of the last push.
     """
 
     folder: Path
@@ -285,20 +262,19 @@ def simulate_collection(
 
     Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n + ξ_n with
     ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to `loop.accuracy`) and α_n the
-    turn by a gripper, if any.
-    The drag back is not recorded. See `record_push` for the series and their accuracy, `record_scan` for scans.
+    turn by a gripper, if any. The drag back is not recorded. See `record_push` for the series and their accuracy.
 
     asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), cycle_noise (`LocalNoise`), speed (m/s),
     wear_to (`Material`), seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction
     done.
 
-    Every file is there whole or not at all. Random numbers depend on seed and cycle alone, so that a run that was
-    broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit:
-    what was changed, cut or emptied since it was written is made again, and all pushes behind it.
+    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run that was broken off
+    and is called again with the same arguments ends with the files of an undisturbed one, bit for bit; what was
+    changed, cut or emptied since it was written is made again, and all pushes behind it.
 
     Raises InvalidInput for bad arguments, a folder that holds something else or was begun with others; CycleMapError
-    where another process writes to it; OSError where
-    it cannot be written; ConvergenceError or UnsupportedContact where a push leads out of what the mechanics can do.
+    where another process writes to it; OSError where it cannot be written; ConvergenceError or UnsupportedContact where
+    a push leads out of what the mechanics can do.
 
     >>> import tempfile
     >>> from cyclemap.evidence.pushes.push_table import load_pushes
@@ -316,16 +292,17 @@ def simulate_collection(
     report = progress or (lambda fraction: None)
     with only_writer(Path(folder)):
         begun = CollectionFolder(folder, plan)
-        scans = 0
-        # Made anew if they are there: they are quick.
-        for scans, scan in enumerate(scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else (), 1):
-            friction, weight, instruments = loop.material.friction, loop.model.weight, plan.generator(SCANS, scans)
-            made = record_scan(friction, weight, scan.direction, plan.recording(0), instruments)
+        # Scans are made anew if they are there: they are quick.
+        scans = scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else []
+        for number, scan in enumerate(scans, 1):
+            friction, draws = loop.material.friction, plan.generator(SCANS, number)
+            made = record_scan(friction, loop.model.weight, scan.direction, plan.recording(0), draws)
             write_push_file(begun.home / SCAN_FOLDER / f"{scan_name(scan)}{plan.suffix}", made)
         theta = begun.known_theta()
         resumed = len(theta) - 1
         for cycle in range(resumed, plan.cycles):
-            now, distance = plan.loop_at(cycle), plan.push_at(cycle).distance
+            now = plan.loop_at(cycle)
+            distance = now.push.distance
             try:
                 push, back = now.strokes(theta[-1], distance / _RECORDED)
             except CycleMapError as error:
@@ -339,4 +316,4 @@ def simulate_collection(
             report((cycle + 1) / plan.cycles)
     size = sum(path.stat().st_size for path in begun.home.rglob(f"*{plan.suffix}"))
     written = plan.cycles - resumed
-    return SimulatedCollection(begun.folder, plan.cycles, written, resumed, scans, theta[-2], size)
+    return SimulatedCollection(begun.folder, plan.cycles, written, resumed, len(scans), theta[-2], size)

@@ -231,7 +231,7 @@ def count_sentence(fit: SetFit) -> str:
     pushes, contacts = fit.pushes, fit.pushes.contacts
     pooled = f" at {contacts} contacts, pooled: none was repeated often" if contacts > 1 else ""
     known = "" if pushes.has_motion else " of which θ0 alone is known"
-    left = {} if pushes.pairs is None or not pushes.pairs.dropped_count else pushes.pairs.dropped
+    left = {} if pushes.pairs is None else pushes.pairs.dropped
     reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
     dropped = f" ({reasons})" if reasons else ""
     told, arcs = f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.", covered_arcs(pushes.theta)
@@ -349,11 +349,8 @@ def _listed(parts: list[str]) -> str:
 
 def _at_limit(found: MeasuredCycleMap) -> bool:
     """Whether cross-validation took the largest order it was offered."""
-    worn, scores = found.fitted.wear, found.fitted.law.scores
-    if worn is None:
-        return scores is not None and scores.chosen == int(scores.orders[-1]) > 0
-    tried = 1 if worn.rmse_by_order is None else int(worn.rmse_by_order.shape[1])
-    return 1 < tried == worn.harmonics + 1
+    law = found.fitted.wear or found.fitted.law
+    return law.rmse_by_order is not None and 1 < law.rmse_by_order.shape[-1] == law.harmonics + 1
 
 
 def _share(value: float) -> str:

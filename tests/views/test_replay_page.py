@@ -28,9 +28,7 @@ def made(kinds):
     rows = [
         dict.fromkeys(REPLAY_COLUMNS, 0.0)
         | {"object": kind, "surface": "abs", "speed": 0.02 if k else math.nan}
-        | {"error": replay.error[-1], "turn_error": replay.turn_error[-1]}
-        | {"measured_motion": replay.measured_motion[0], "predicted_motion": replay.predicted_motion[0]}
-        | {"measured_turn": replay.measured_motion[1], "predicted_turn": replay.predicted_motion[1]}
+        | replay.summary()
         for k, (kind, replay) in enumerate(zip(kinds, replays, strict=True))
     ]
     return ReplayedPushes(pandas.DataFrame(rows), tuple(replays), ())

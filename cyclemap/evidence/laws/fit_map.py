@@ -12,15 +12,16 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import LinearFit, cycle_folds, fourier_columns, nested_errors, simplest_good
+from cyclemap.evidence.laws.linear_fit import LinearFit
 from cyclemap.evidence.laws.periodic_law import (
     MAX_HARMONICS,
     PeriodicLaw,
+    candidate_orders,
     fit_periodic_law,
-    fit_with_scatter,
+    fit_series,
     law_of,
     paired_arrays,
-    scatter_weights,
+    series_columns,
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import (
@@ -37,12 +38,11 @@ from cyclemap.maps import (
     sample_staircase,
 )
 
-MAX_WEAR_DEGREE = 4
+MAX_WEAR_DEGREE, HARMONICS = 4, 6
 # Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
-BLEND_TOLERANCE = 1e-4
-HARMONICS = 6
+_BLEND_TOLERANCE = 1e-4
 # Radians: no angle is measured better than this.
-LEAST_SCATTER = 1e-9
+_LEAST_SCATTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +52,7 @@ class WornLaw:
     coefficients : (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in ``PeriodicLaw``.
     first, last : the cycles s = -1 and s = 1; outside them the law stays as it is at the nearer one.
     whole : the law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does not wear.
-    covariance : of the coefficients, shape (degree + 1, 2K + 1, degree + 1, 2K + 1).
-    rmse_by_order : (degrees, orders) the cross-validated RMSE of each degree (rows) and order (columns); inf where it
-        cannot be fitted, None where both were given.
+    covariance : (degree + 1, 2K + 1, degree + 1, 2K + 1). rmse_by_order : (degrees, orders), as in ``PeriodicLaw``.
     """
 
     coefficients: Array
@@ -67,27 +65,22 @@ class WornLaw:
     @property
     def degree(self) -> int:
         """The degree of the polynomials; 0 for a law that does not wear."""
-        return int(self.coefficients.shape[0]) - 1
+        return len(self.coefficients) - 1
 
     @property
     def harmonics(self) -> int:
         """How many harmonics the law has at each cycle."""
-        return int(self.coefficients.shape[1]) // 2
+        return len(self.coefficients[0]) // 2
 
     @property
     def sigma(self) -> float:
         """The scatter of one value about the law of its own cycle, degrees of freedom counted."""
         return self.whole.sigma
 
-    @property
-    def rmse(self) -> float:
-        """Root mean square of the residuals about the law of each value's own cycle."""
-        return self.whole.rmse
-
     def turns(self, theta: Array, cycle: Array) -> Array:
         """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
         polynomials = _polynomials(cycle, self.first, self.last, self.degree)
-        return np.asarray(_worn_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel())
+        return np.asarray(series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel())
 
     def at(self, cycle: float) -> PeriodicLaw:
         """The law of one cycle (any real number), with the covariance of that cycle's coefficients."""
@@ -104,7 +97,6 @@ def fit_worn_law(
     harmonics: int | None = None,
     max_harmonics: int = MAX_HARMONICS,
     degree: int | None = None,
-    max_degree: int = MAX_WEAR_DEGREE,
     noise_harmonics: int | None = 0,
     seed: int = 0,
 ) -> WornLaw:
@@ -129,48 +121,25 @@ def fit_worn_law(
     if np.ptp(cycles) == 0.0:
         raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
-    waves, powers = _candidates("harmonics", harmonics, max_harmonics), _candidates("degree", degree, max_degree)
-    polynomials = _polynomials(cycles, first, last, max(powers))
-    weight, table, order, power = np.ones(values.size), None, waves[0], powers[0]
-    for _ in range(1 if noise_harmonics == 0 else 2):
-        if len(waves) > 1 or len(powers) > 1:
-            # Each degree with all orders, which are nested, by what is left out of the folds.
-            fold, errors = cycle_folds(values.size, seed), []
-            sizes = [(2 * np.array(waves) + 1) * (one + 1) for one in powers]
-            for one, size in zip(powers, sizes, strict=True):
-                design = _worn_columns(angles, polynomials[:, : one + 1], max(waves))
-                errors.append(nested_errors(design, values, size, fold, weight))
-            chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
-            table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
-            order, power = waves[chosen % len(waves)], powers[chosen // len(waves)]
-        design = _worn_columns(angles, polynomials[:, : power + 1], order)
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
-        weight = scatter_weights(angles, log_variance)
+    orders = candidate_orders("harmonics", harmonics, max_harmonics)
+    degrees = candidate_orders("degree", degree, MAX_WEAR_DEGREE)
+    polynomials = _polynomials(cycles, first, last, max(degrees))
+    fit, log_variance, order, power, errors = fit_series(
+        angles, values, polynomials, orders, degrees, noise_harmonics, seed
+    )
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)
     covariance = read_only(fit.covariance.reshape(shape + shape).transpose(1, 0, 3, 2))
     plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
     whole = law_of(plain, log_variance, values, None)
     middle = WornLaw(coefficients, first, last, whole, covariance).at(0.5 * (first + last))
-    return WornLaw(coefficients, first, last, middle, covariance, table)
-
-
-def _candidates(name: str, given: int | None, most: int) -> list[int]:
-    if given is not None:
-        return [whole_number(name, given, least=0)]
-    return list(range(whole_number(f"max_{name}", most, least=0) + 1))
+    return WornLaw(coefficients, first, last, middle, covariance, None if errors is None else read_only(errors))
 
 
 def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array:
     """Legendre's polynomials (n, degree + 1) of the cycles, held at the ends of [first, last]."""
     scaled = np.clip((2.0 * cycles - first - last) / (last - first), -1.0, 1.0)
     return np.asarray(np.polynomial.legendre.legvander(scaled, degree))
-
-
-def _worn_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
-    """Each Fourier column times each polynomial, the polynomials innermost: orders are nested for one degree."""
-    columns = fourier_columns(angles, harmonics)
-    return (columns[:, :, np.newaxis] * polynomials[:, np.newaxis, :]).reshape(angles.size, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,13 +178,12 @@ class FittedMap:
     def drifting_map(self, cycles: int, first: float | None = None) -> DriftingMap:
         """The map that wears as measured, for ``cycles`` cycles; its cycle 0 is the measured cycle ``first``.
 
-        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad. Before and after the
-        measured cycles the wear stands still: nothing is extrapolated.
+        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad.
         """
         worn = self._worn()
         start = worn.first if first is None else finite_number("first", first)
         count = whole_number("cycles", cycles, least=1)
-        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, BLEND_TOLERANCE)
+        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, _BLEND_TOLERANCE)
 
     def paths(self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0) -> Array:
         """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad, unwrapped, starts first.
@@ -247,14 +215,13 @@ def fit_map(
     noise_harmonics: int | None = 0,
     cycle: ArrayLike | None = None,
     wear_degree: int | None = None,
-    max_wear_degree: int = MAX_WEAR_DEGREE,
     seed: int = 0,
 ) -> FittedMap:
     """Fit the cycle map to measured pairs: the turn θ_next - θ as a Fourier series of θ.
 
     theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn.
     cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice of ``harmonics``
-        and polynomial degree (``wear_degree`` None chooses up to ``max_wear_degree``), see ``fit_worn_law``.
+        and polynomial degree (``wear_degree`` None chooses up to 4), see ``fit_worn_law``.
     The rest is as in ``fit_periodic_law``.
 
     Raises InvalidInput for lists of different lengths, values that are not finite, and too few pairs.
@@ -265,12 +232,12 @@ def fit_map(
     (0.8, 60)
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
-    options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics}
-    options |= {"noise_harmonics": noise_harmonics, "seed": seed}
+    options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics, "seed": seed}
+    options["noise_harmonics"] = noise_harmonics
     law = fit_periodic_law(angles, images - angles, **options)
     if cycle is None:
         return FittedMap(law)
-    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, max_degree=max_wear_degree, **options)
+    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, **options)
     return FittedMap(law, wear)
 
 
@@ -290,11 +257,10 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredStaircase:
-    """A measured path, and the staircase of the map fitted to it.
+    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
 
-    path : (m,) rad, unwrapped. steps : the dwells and steps found in it, without a model.
-    fitted : the map and noise fitted to its pairs. prediction : the staircase of that map, on average.
-    run : one noisy run of it, as long as the path and from the same start.
+    steps : the dwells and steps found in the path, without a model. fitted : the map and noise fitted to its pairs.
+    prediction : the staircase of that map, on average. run : one noisy run of it, as long and from the same start.
     comparison : the path against the prediction, its visits counted in the predicted slow zones.
     """
 
@@ -313,25 +279,18 @@ class MeasuredStaircase:
 
 
 def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
-    """Find the steps of the measured path, fit its map, and predict the staircase from that.
+    """Find the steps of the measured path, fit its map, and predict the staircase from that: wear counts as noise.
 
-    The fit takes all pairs alike: where the surface wears, its noise contains the wear.
     Raises InvalidInput where the order of the pushes is unknown, or the pairs do not fix the map.
     """
     path = pairs.unbroken.path
     if path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
-    if fitted.sigma < LEAST_SCATTER:
+    if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
-    prediction = predict_staircase(fitted_map, noise)
-    visits = find_steps(path, zones=prediction.zones) if prediction.zones else find_steps(path)
-    return MeasuredStaircase(
-        path=path,
-        steps=find_steps(path),
-        fitted=fitted,
-        prediction=prediction,
-        run=sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed),
-        comparison=compare_steps(visits, prediction),
-    )
+    prediction, steps = predict_staircase(fitted_map, noise), find_steps(path)
+    visits = find_steps(path, zones=prediction.zones) if prediction.zones else steps
+    run = sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed)
+    return MeasuredStaircase(path, steps, fitted, prediction, run, compare_steps(visits, prediction))

@@ -12,9 +12,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
 
-FOLDS = 10
-BLOCKS_A_FOLD = 5
-SMALLEST_BLOCK = 8
+FOLDS, BLOCKS_A_FOLD, SMALLEST_BLOCK = 10, 5, 8
 
 
 def fourier_columns(theta: Any, harmonics: int) -> Array:
@@ -30,14 +28,6 @@ def fourier_columns(theta: Any, harmonics: int) -> Array:
     columns = np.ones((*angles.shape, 2 * harmonics + 1))
     columns[..., 1::2], columns[..., 2::2] = np.cos(multiples), np.sin(multiples)
     return columns
-
-
-def fourier_slopes(theta: Any, harmonics: int) -> Array:
-    """The derivatives of ``fourier_columns`` by θ, of the same shape."""
-    columns, order = fourier_columns(theta, harmonics), np.arange(1, harmonics + 1)
-    slopes = np.zeros_like(columns)
-    slopes[..., 1::2], slopes[..., 2::2] = -order * columns[..., 2::2], order * columns[..., 1::2]
-    return slopes
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,20 +87,6 @@ def student_quantile(level: float, freedom: float) -> float:
     if not 0.0 < probability < 1.0:
         raise InvalidInput(f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95")
     return float(stdtrit(freedom, 0.5 + 0.5 * probability))
-
-
-@dataclass(frozen=True, eq=False)
-class OrderScores:
-    """How well laws of several orders predict values left out.
-
-    orders : (k,) harmonics. rmse : (k,) root of the mean squared error of prediction, in the unit of the values.
-    chosen : the simplest order whose mean squared error exceeds the least by no more than the standard error of the
-    difference, over the folds.
-    """
-
-    orders: NDArray[np.int64]
-    rmse: Array
-    chosen: int
 
 
 def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:

@@ -6,56 +6,49 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
     LinearFit,
-    OrderScores,
     cycle_folds,
     fit_linear,
     fourier_columns,
-    fourier_slopes,
     nested_errors,
     simplest_good,
     student_quantile,
     weighted_least_squares,
 )
 
-MAX_NOISE_HARMONICS = 3
-TOLERANCE = 1e-12
-MAX_ROUNDS = 500
+MAX_HARMONICS, _MAX_NOISE_HARMONICS = 12, 3
+_TOLERANCE, _MAX_ROUNDS = 1e-12, 500
 # Residuals this small beside the values are rounding: there is no scatter to describe.
-ROUNDING = 1e-12
+_ROUNDING = 1e-12
 # e to this is far beyond any ratio of variances, and its square is still a number.
 _LARGEST_EXPONENT = 300.0
-MAX_HARMONICS = 12
 
 
 def fit_with_scatter(
     theta: Array, design: Array, value: Array, noise_harmonics: int | None = 0, seed: int = 0
 ) -> tuple[LinearFit, Array]:
-    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ.
-
-    noise_harmonics : q; 0 for constant scatter, None chooses up to 3.
-    """
+    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ."""
     order = None if noise_harmonics is None else whole_number("noise_harmonics", noise_harmonics, least=0)
     fit = fit_linear(design, value)
-    if fit.sigma <= ROUNDING * float(np.max(np.abs(value))):
+    if fit.sigma <= _ROUNDING * float(np.max(np.abs(value))):
         if order:
             raise InvalidInput(f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0")
         order = 0
     elif order is None:
-        order = choose_noise_harmonics(theta, design, value, cycle_folds(value.size, seed))
+        order = _noise_harmonics(theta, design, value, seed)
     if order == 0:
         # No scatter at all has no logarithm: the smallest positive number stands for it.
         return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
     # Reweighted least squares: the mean with weights 1/variance, the log-variance of its residuals, and so on to the
     # maximum of the normal likelihood; the variance is then raised by n/(n - p).
     columns, weight, change = fourier_columns(theta, order), np.ones(value.size), np.inf
-    for _ in range(MAX_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         coefficients, _ = weighted_least_squares(design, value, weight)
         gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
         renewed = np.exp(-(columns @ gamma))
@@ -93,13 +86,13 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
 
     gamma = np.zeros(columns.shape[1])
     gamma[0] = np.log(np.mean(squares))
-    for _ in range(MAX_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         ratio = squares * np.exp(-(columns @ gamma))
         slope = columns.T @ (1.0 - ratio)
         curvature = columns.T @ (columns * ratio[:, np.newaxis])
         step = np.asarray(np.linalg.lstsq(curvature, -slope, rcond=None)[0], dtype=np.float64)
         decrease = float(-slope @ step) / squares.size
-        if decrease < TOLERANCE:
+        if decrease < _TOLERANCE:
             return gamma
         # The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule).
         start, share = loss(gamma), 1.0
@@ -113,17 +106,17 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
     raise ConvergenceError(f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics")
 
 
-def choose_noise_harmonics(theta: Array, design: Array, value: Array, fold: NDArray[np.int64]) -> int:
+def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> int:
     """The order of the log-variance that gives values left out the largest likelihood, by the one-standard-error rule.
 
     The residuals are those of prediction: each from the law fitted without its own fold. 0 is constant scatter.
     """
+    fold = cycle_folds(value.size, seed)
     squares = nested_errors(design, value, np.array([design.shape[1]]), fold)[:, 0]
     if not np.isfinite(squares).all():
-        raise InvalidInput(
-            "the law cannot be fitted with a fold left out; give more pairs, or noise_harmonics yourself"
-        )
-    orders = np.arange(MAX_NOISE_HARMONICS + 1)
+        told = "the law cannot be fitted with a fold left out"
+        raise InvalidInput(f"{told}; give more pairs, or noise_harmonics yourself")
+    orders = np.arange(_MAX_NOISE_HARMONICS + 1)
     losses = np.empty((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)
@@ -144,7 +137,6 @@ class LawBand:
     """
 
     theta: Array
-    level: float
     centre: Array
     mean_lower: Array
     mean_upper: Array
@@ -158,11 +150,11 @@ class PeriodicLaw:
 
     coefficients : (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ... covariance : (2K + 1, 2K + 1) of these.
     log_variance : (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for constant scatter.
-    sigma : root mean square scatter of one value about the law, degrees of freedom counted.
-    count : values fitted. rmse : root mean square residual. mean, total_std : of the values themselves.
-    lag_correlation : correlation of each residual with the next in order of recording; far from 0, the covariance,
-        that of independent residuals, is too small.
-    scores : the cross-validation, by order; None where the order was given.
+    sigma : root mean square scatter of one value about the law, degrees of freedom counted. rmse : of the residuals.
+    count, mean, total_std : of the values fitted. lag_correlation : of each residual with the next in order of
+        recording; far from 0, the covariance, that of independent residuals, is too small.
+    rmse_by_order : (orders,) root mean square error in values left out, by order, inf where it cannot be fitted; None
+        where the order was given.
     """
 
     coefficients: Array
@@ -174,15 +166,14 @@ class PeriodicLaw:
     mean: float
     total_std: float
     lag_correlation: float
-    scores: OrderScores | None = None
+    rmse_by_order: Array | None = None
 
     def __post_init__(self) -> None:
         size = finite_array("coefficients", self.coefficients, ndim=1).size
         if size % 2 == 0 or np.shape(self.covariance) != (size, size) or np.size(self.log_variance) % 2 == 0:
-            shapes = f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, {np.shape(self.log_variance)}"
-            raise InvalidInput(
-                f"coefficients, covariance, log_variance have shapes {shapes}, not (p,), (p, p), (q,), odd"
-            )
+            found = f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, {np.shape(self.log_variance)}"
+            told = f"coefficients, covariance, log_variance have shapes {found}"
+            raise InvalidInput(f"{told}, not (p,), (p, p), (q,), odd")
         for name in ("coefficients", "covariance", "log_variance"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
@@ -212,7 +203,9 @@ class PeriodicLaw:
 
     def slope(self, theta: Any) -> Array:
         """dy/dθ, per radian."""
-        return np.asarray(fourier_slopes(theta, self.harmonics) @ self.coefficients)
+        order = np.arange(self.harmonics + 1)
+        multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
+        return np.asarray(np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine))
 
     def standard_error(self, theta: Any) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
@@ -234,7 +227,7 @@ class PeriodicLaw:
         quantile = student_quantile(level, self.count - self.coefficients.size)
         centre, error = self(angles), self.standard_error(angles)
         mean, one = quantile * error, quantile * np.hypot(error, self.noise(angles))
-        return LawBand(angles, float(level), centre, centre - mean, centre + mean, centre - one, centre + one)
+        return LawBand(angles, centre, centre - mean, centre + mean, centre - one, centre + one)
 
 
 def fit_periodic_law(
@@ -254,7 +247,6 @@ def fit_periodic_law(
     noise_harmonics : the order of the log-variance of the scatter in θ; 0 takes it constant, None chooses from 0 to 3
         by cross-validated likelihood. Where it is not 0 the law is the one of maximum likelihood, and its order is
         chosen twice: with equal weights, then with the weights 1/variance (of mean 1) of that first law.
-    A law of a fixed order does not depend on the order of the values.
 
     Raises InvalidInput for lists of different lengths, values that are not finite, and too few values for the order.
 
@@ -264,39 +256,70 @@ def fit_periodic_law(
     ([2.0, 1.0], 1.0)
     """
     angles, values = paired_arrays("value", theta, value)
-    most = whole_number("max_harmonics", max_harmonics, least=0)
-    if harmonics is not None:
-        design = fourier_columns(angles, whole_number("harmonics", harmonics, least=0))
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
-        return law_of(fit, log_variance, values, None)
-    weight, fold = np.ones(values.size), cycle_folds(values.size, seed)
-    highest = min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2)
-    for _ in range(1 if noise_harmonics == 0 else 2):
-        columns = fourier_columns(angles, highest)
-        sizes = np.arange(1, columns.shape[1] + 1, 2)
-        chosen, mean = simplest_good(nested_errors(columns, values, sizes, fold, weight), sizes, fold)
-        scores = OrderScores(np.arange(sizes.size), read_only(np.sqrt(mean)), chosen)
-        design = fourier_columns(angles, chosen)
+    orders = candidate_orders("harmonics", harmonics, max_harmonics)
+    fit, log_variance, _, _, errors = fit_series(
+        angles, values, np.ones((values.size, 1)), orders, [0], noise_harmonics, seed
+    )
+    return law_of(fit, log_variance, values, None if errors is None else read_only(errors[0]))
+
+
+def candidate_orders(name: str, given: int | None, most: int) -> list[int]:
+    """The order that is given, or all up to ``most``."""
+    if given is not None:
+        return [whole_number(name, given, least=0)]
+    return list(range(whole_number(f"max_{name}", most, least=0) + 1))
+
+
+def series_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
+    """Each Fourier column times each of the polynomials (n, m), these innermost: orders are nested for one degree."""
+    columns = fourier_columns(angles, harmonics)
+    return (columns[:, :, np.newaxis] * polynomials[:, np.newaxis, :]).reshape(angles.size, -1)
+
+
+def fit_series(
+    angles: Array, values: Array, polynomials: Array, orders: list[int], degrees: list[int],
+    noise_harmonics: int | None, seed: int,
+) -> tuple[LinearFit, Array, int, int, Array | None]:  # fmt: skip
+    """Fit a Fourier series whose coefficients are sums of polynomials (n, m): fit, log-variance, order, degree, errors.
+
+    Order and degree are the one-standard-error choice from the candidates, which begin with 0 where there are several;
+    the errors (degrees, orders) are the root mean squares in values left out, None without a choice. With scatter that
+    depends on θ the choice is made again, with the weights of the first.
+    """
+    weight, errors, order, degree = np.ones(values.size), None, orders[0], degrees[0]
+    choice = len(orders) > 1 or len(degrees) > 1
+    for _ in range(2 if choice and noise_harmonics != 0 else 1):
+        if choice:
+            # Each degree with all orders, which are nested, by what is left out of the folds.
+            fold, squares = cycle_folds(values.size, seed), []
+            sizes = [(2 * np.array(orders) + 1) * (one + 1) for one in degrees]
+            for one, size in zip(degrees, sizes, strict=True):
+                design = series_columns(angles, polynomials[:, : one + 1], max(orders))
+                squares.append(nested_errors(design, values, size, fold, weight))
+            chosen, mean = simplest_good(np.hstack(squares), np.concatenate(sizes), fold)
+            errors = np.sqrt(mean).reshape(len(degrees), len(orders))
+            order, degree = orders[chosen % len(orders)], degrees[chosen // len(orders)]
+        design = series_columns(angles, polynomials[:, : degree + 1], order)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
-    return law_of(fit, log_variance, values, scores)
+    return fit, log_variance, order, degree, errors
 
 
-def law_of(fit: LinearFit, log_variance: Array, values: Array, scores: OrderScores | None) -> PeriodicLaw:
+def law_of(fit: LinearFit, log_variance: Array, values: Array, rmse_by_order: Array | None) -> PeriodicLaw:
     """The law of a fit to ``values`` (n,) whose coefficients are those of ``fourier_columns``."""
     off = fit.residuals
     power = float(off @ off)
     return PeriodicLaw(
-        coefficients=fit.coefficients,
-        covariance=fit.covariance,
-        log_variance=log_variance,
-        sigma=fit.sigma,
-        count=values.size,
+        fit.coefficients,
+        fit.covariance,
+        log_variance,
+        fit.sigma,
+        values.size,
         rmse=float(np.sqrt(np.mean(off**2))),
         mean=float(np.mean(values)),
         total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
         lag_correlation=float(off[1:] @ off[:-1]) / power if power > 0.0 else 0.0,
-        scores=scores,
+        rmse_by_order=rmse_by_order,
     )
 
 
@@ -304,7 +327,6 @@ def paired_arrays(name: str, theta: ArrayLike, value: ArrayLike) -> tuple[Array,
     """``theta`` and ``value`` as finite arrays (n,), n ≥ 1; InvalidInput otherwise."""
     angles, values = finite_array("theta", theta, ndim=1), finite_array(name, value, ndim=1)
     if angles.shape != values.shape or angles.size == 0:
-        raise InvalidInput(
-            f"theta and {name} have {angles.size} and {values.size} entries; give equally many, one or more"
-        )
+        sizes = f"{angles.size} and {values.size} entries"
+        raise InvalidInput(f"theta and {name} have {sizes}; give equally many, one or more")
     return angles, values

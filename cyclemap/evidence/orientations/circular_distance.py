@@ -32,15 +32,12 @@ _NARROWEST = 0.002
 class CircularLaw:
     """A law on the circle, tabulated once so that many samples can be set against it.
 
-    density : vectorised callable of angles in [0, 2π] (radians), per radian, period 2π.
-    cells : equal cells of the table; 2·cells + 1 densities are evaluated.
+    density : vectorised callable of angles in [0, 2π] (radians), per radian, period 2π; cells : of the table, equal.
 
     The distribution function is integrated by Simpson's rule and is a monotone cubic inside each cell (slopes limited
     as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a smooth positive density, O(h³) where it touches 0,
-    O(h) beside a jump. The table is rescaled to mass 1.
-
-    Raises InvalidInput where the density is not finite, negative, not vectorised, or further than 1 % from
-    integrating to 1.
+    O(h) beside a jump. The table is rescaled to mass 1. Raises InvalidInput where the density is not finite, negative,
+    not vectorised, or further than 1 % from integrating to 1.
 
     >>> law = CircularLaw(lambda theta: (1 + np.cos(theta)) / (2 * np.pi))
     >>> round(float(law.cumulative(np.pi / 2)), 12) == round(0.25 + 1 / (2 * np.pi), 12)
@@ -93,13 +90,6 @@ class CircularLaw:
         return np.diff(np.append(inner, 1.0))
 
 
-def law_or_sample(law: Any) -> CircularLaw | Array:
-    """A law as it is, a callable density tabulated, anything else a checked second sample, shape (m,)."""
-    if isinstance(law, CircularLaw):
-        return law
-    return CircularLaw(law) if callable(law) else orientations("the second sample", law, single=True)
-
-
 def orientations(name: str, sample: Any, single: bool = False) -> Array:
     """Angles brought into [0, 2π), shape (..., n) with n ≥ 1, or (n,) where ``single``; else InvalidInput."""
     angles = finite_array(name, sample, ndim=1 if single else None)
@@ -111,39 +101,33 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
 
 
 def circular_wasserstein(sample: Any, law: Any) -> Array:
-    """Wasserstein distance of order 1 on the circle, radians, in [0, π].
+    """Wasserstein distance of order 1 on the circle, radians, in [0, π]: shape (...), a number for one sample.
 
     W1 = ∫ |F - G - median(F - G)| dθ, F and G the distribution functions from any origin, the median over the
     uniform measure (Rabin, Delon & Gousseau 2011).
 
-    Parameters
-    ----------
-    sample : shape (..., n), radians, any turn; each row is a sample of its own.
-    law : a density per radian (vectorised callable), a ``CircularLaw``, or a second sample of shape (m,); with
-        that ``sample`` must be (n,).
-
-    Returns shape (...), a number for one sample. Between two samples it is exact to rounding. Against a law, G is
-    taken as linear between the table's knots and the sample's angles: an error of at most h²/8 times the total
-    variation of the density, h = 2π/cells; about 1e-6 rad for a density with one peak of height 1.
-    Raises InvalidInput for an empty sample, numbers that are not finite and a density that is none.
+    sample : (..., n), radians, any turn; each row is a sample of its own. law : a ``CircularLaw``, or a second sample
+    (m,), with which ``sample`` must be (n,). Between two samples it is exact to rounding. Against a law, G is taken as
+    linear between the table's knots and the sample's angles: an error of at most h²/8 times the total variation of the
+    density, h = 2π/cells; about 1e-6 rad for a density with one peak of height 1.
+    Raises InvalidInput for an empty sample and numbers that are not finite.
 
     >>> round(float(circular_wasserstein([0.1, 0.1], [6.2])), 6)
     0.183185
     """
-    given = law_or_sample(law)
-    if not isinstance(given, CircularLaw):
+    if not isinstance(law, CircularLaw):
         # F - G is constant from one angle of either sample to the next.
-        pair = orientations("the sample", sample, single=True), given
+        pair = [orientations(name, one, single=True) for name, one in (("sample", sample), ("second sample", law))]
         angles = np.unique(np.concatenate(pair))
         shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
         levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
         order = np.argsort(levels)
         median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
         return np.asarray(np.abs(levels - median) @ gaps)[()]
-    angles = orientations("the sample", sample)
+    angles = orientations("sample", sample)
     rows = angles.reshape(-1, angles.shape[-1])
-    block = max(1, _BLOCK // (rows.shape[1] + given.cells))
-    found = [_wasserstein_rows(rows[at : at + block], given) for at in range(0, len(rows), block)]
+    block = max(1, _BLOCK // (rows.shape[1] + law.cells))
+    found = [_wasserstein_rows(rows[at : at + block], law) for at in range(0, len(rows), block)]
     return np.concatenate(found).reshape(angles.shape[:-1])[()]
 
 
@@ -178,26 +162,22 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
 def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
     """Total variation distance ½ Σ |share of the sample - probability| over equal bins of [0, 2π), in [0, 1].
 
-    sample, law : as for ``circular_wasserstein``. Returns shape (...).
+    sample, law, shape : as for ``circular_wasserstein``. Bins hide what differs inside them, so that it is at most the
+    distance of the laws themselves; n independent orientations from the law itself lie Σ √(P(1 - P)/(2πn)) away on
+    average, more where they are autocorrelated.
 
-    Binning biases it both ways: bins hide what differs inside them, so that it is at most the distance of the laws
-    themselves; and n independent orientations from the law itself lie Σ √(P(1 - P)/(2πn)) away on average, about
-    √(bins/(2πn)), more where they are autocorrelated. It depends on the origin, since the bins do; a rotation of
-    sample and law together by whole bins changes nothing.
-
-    >>> float(total_variation([0.5, 1.0, 2.0, 3.0], lambda theta: np.full_like(theta, 0.5 / np.pi), bins=2))
+    >>> float(total_variation([0.5, 1.0, 2.0, 3.0], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)), 2))
     0.5
     """
-    given = law_or_sample(law)
-    if not isinstance(given, CircularLaw):
-        pair = orientations("the sample", sample, single=True), given
+    if not isinstance(law, CircularLaw):
+        pair = [orientations(name, one, single=True) for name, one in (("sample", sample), ("second sample", law))]
         first, second = (np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair)
         return np.asarray(0.5 * np.sum(np.abs(first - second)))[()]
-    angles = orientations("the sample", sample)
+    angles = orientations("sample", sample)
     rows = bin_index(angles, bins).reshape(-1, angles.shape[-1])
     flat = rows + bins * np.arange(len(rows))[:, None]
     shares = np.bincount(flat.ravel(), minlength=len(rows) * bins).reshape(-1, bins) / rows.shape[1]
-    found = 0.5 * np.sum(np.abs(shares - given.bin_probabilities(bins)), axis=1)
+    found = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)
     return np.asarray(found).reshape(angles.shape[:-1])[()]
 
 
@@ -207,8 +187,7 @@ class PValue:
 
     value : (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1] (Davison &
         Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of runs.
-    runs : simulated statistics. statistic : the observed one.
-    null_quantiles : the simulated ones at the levels ``LEVELS``.
+    runs : simulated statistics. statistic : the observed one. null_quantiles : the simulated ones at ``LEVELS``.
     standard_error : of ``value`` by the finite number of runs: the posterior standard deviation of the true p
         after a uniform prior, which is never 0.
     """
@@ -238,33 +217,22 @@ def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
     return PValue((1 + reached) / (null.size + 1), null.size, mark, quantiles, error)
 
 
-def kuiper_statistic(sample: Any, law: Any) -> Array:
-    """Kuiper's V = max(F - G) + max(G - F), in (0, 1] (Kuiper 1960).
+def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
+    """Kuiper's V = max(F - G) + max(G - F), in (0, 1] (Kuiper 1960); it does not depend on the origin of the angles.
 
-    sample : shape (..., n), radians, any turn. law : a density per radian (vectorised callable), or a ``CircularLaw``.
-    Returns shape (...). Unlike Kolmogorov's distance it does not depend on the origin of the angles.
-    Raises InvalidInput for an empty sample, numbers that are not finite and a density that is none.
+    sample : (..., n), radians, any turn. Returns shape (...). Raises InvalidInput for an empty sample.
 
-    >>> round(float(kuiper_statistic([0.0, np.pi], lambda theta: np.full_like(theta, 0.5 / np.pi))), 12)
+    >>> round(float(kuiper_statistic([0.0, np.pi], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)))), 12)
     0.5
     """
-    given = law if isinstance(law, CircularLaw) else CircularLaw(law)
-    reached = np.sort(given.cumulative(orientations("the sample", sample)), axis=-1)
+    reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
     rank = np.arange(reached.shape[-1] + 1) / reached.shape[-1]
-    over, under = np.max(rank[1:] - reached, axis=-1), np.max(reached - rank[:-1], axis=-1)
-    return np.asarray(over + under)[()]
+    return np.asarray(np.max(rank[1:] - reached, axis=-1) + np.max(reached - rank[:-1], axis=-1))[()]
 
 
-def watson_statistic(sample: Any, law: Any) -> Array:
-    """Watson's U² = n ∫ (F - G - mean)² dG (Watson 1961), at least 1/(12n).
-
-    sample, law, errors : as for ``kuiper_statistic``. Returns shape (...). It does not depend on the origin either.
-
-    >>> round(float(watson_statistic([0.0, np.pi], lambda theta: np.full_like(theta, 0.5 / np.pi))) * 24, 12)
-    1.0
-    """
-    given = law if isinstance(law, CircularLaw) else CircularLaw(law)
-    reached = np.sort(given.cumulative(orientations("the sample", sample)), axis=-1)
+def watson_statistic(sample: Any, law: CircularLaw) -> Array:
+    """Watson's U² = n ∫ (F - G - mean)² dG (Watson 1961), at least 1/(12n); the rest as of ``kuiper_statistic``."""
+    reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
     size = reached.shape[-1]
     excess = reached - (2.0 * np.arange(size) + 1.0) / (2.0 * size)
     return np.asarray(size * np.var(excess, axis=-1) + 1.0 / (12.0 * size))[()]

@@ -131,8 +131,6 @@ def collection_p_values(
 
     The null is the same statistics of ``runs`` simulated collections, as long and from the same start.
 
-    Parameters
-    ----------
     theta : (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the climb.
     statistics : by name; None takes ``collection_statistics()``.
     refit : None for a model given in full, else what fits a path (n,), unwrapped, to a model, by the rule that made

@@ -68,18 +68,35 @@ def contact_samples(push: PushRecord, outline: Array, rod_radius: float = MIT_RO
     The rod does not turn in the world. With q the rod's centre in the object's frame, t the tangent there and omega the
     object's rate of turning, its surface slides over the object at t . dq/dt - omega rod_radius.
     """
-    pressing, tangential, touching, place = _contact_frame(push, outline, rod_radius)
-    slip, window = _slip(push, *place, rod_radius)
+    pressing, tangential, touching, (time, rod, tangent, angle, tip) = _contact_frame(push, outline, rod_radius)
+    stroke = push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]
+    travel = tip @ stroke / max(float(np.hypot(*stroke)), _SHORTEST_STROKE)
+    steps, slip, window = np.diff(travel), np.full(len(time), math.nan), _FEWEST_IN_WINDOW
+    moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
+    if moving.size:
+        window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
+    if moving.size and window <= len(time):
+        # Rates are slopes of straight lines through a window of samples about each, nan at the ends.
+        views, values = np.lib.stride_tricks.sliding_window_view, np.column_stack([rod, angle, travel])
+        lever = views(time, window) - np.mean(views(time, window), axis=1, keepdims=True)
+        inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
+        rates = np.full(values.shape, math.nan)
+        rates[window // 2 : window // 2 + len(inner)] = inner
+        speed = rates[:, 3]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
+        slip = np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan)
     return ContactSamples(pressing, tangential, touching, slip, window)
 
 
 def _contact_frame(
     push: PushRecord, outline: Array, rod_radius: float
-) -> tuple[Array, Array, NDArray[np.bool_], tuple[Array, Array, Array]]:
-    """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame."""
+) -> tuple[Array, Array, NDArray[np.bool_], tuple[Array, Array, Array, Array, Array]]:
+    """Normal and tangential force, contact, times with the rod's places and tangents in the object's frame, its tip."""
     time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
+    tip, centre = (interpolated(time, pose[:, 0], pose[:, 1:3]) for pose in (push.tip_pose, push.object_pose))
     angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
-    rod, c, s = _places(push.tip_pose, time) - _places(push.object_pose, time), np.cos(angle), np.sin(angle)
+    rod, c, s = tip - centre, np.cos(angle), np.sin(angle)
     # Both turned back into the object's frame.
     rod, force = (np.stack([c * x + s * y, c * y - s * x], axis=-1) for x, y in (rod.T, -force.T))
     offset = nearest_on_polyline(rod, outline)[0] - rod
@@ -92,31 +109,7 @@ def _contact_frame(
     edge, away = np.diff(outline, axis=0), rod[:, None] - outline[:-1]
     inside = np.all(edge[:, 0] * away[..., 1] - edge[:, 1] * away[..., 0] > 0.0, axis=1)
     near = ~inside & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
-    return pressing, tangential, near & (pressing >= LEAST_PRESSING), (time, rod, tangent)
-
-
-def _slip(push: PushRecord, time: Array, rod: Array, tangent: Array, rod_radius: float) -> tuple[Array, int]:
-    """Slip per travel of the rod (n,), and samples in a window."""
-    tip, stroke = _places(push.tip_pose, time), push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]
-    travel = tip @ stroke / max(float(np.hypot(*stroke)), _SHORTEST_STROKE)
-    steps = np.diff(travel)
-    moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
-    if not moving.size:
-        return np.full(len(time), math.nan), _FEWEST_IN_WINDOW
-    window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
-    if window > len(time):
-        return np.full(len(time), math.nan), window
-    angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
-    # Rates are slopes of straight lines through a window of samples about each, nan at the ends.
-    views, values = np.lib.stride_tricks.sliding_window_view, np.column_stack([rod, angle, travel])
-    lever = views(time, window) - np.mean(views(time, window), axis=1, keepdims=True)
-    inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
-    rates = np.full(values.shape, math.nan)
-    rates[window // 2 : window // 2 + len(inner)] = inner
-    speed = rates[:, 3]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
-    return np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan), window
+    return pressing, tangential, near & (pressing >= LEAST_PRESSING), (time, rod, tangent, angle, tip)
 
 
 def scan_forces(scan: ScanRecord) -> tuple[float, float]:
@@ -131,7 +124,7 @@ def scan_forces(scan: ScanRecord) -> tuple[float, float]:
     if length < _SHORTEST_STROKE or not time.size:
         return math.nan, math.nan
     along = np.array(scan.stroke) / length
-    way = (_places(scan.tip, time) - scan.tip[0, 1:3]) @ along / length
+    way = (interpolated(time, scan.tip[:, 0], scan.tip[:, 1:3]) - scan.tip[0, 1:3]) @ along / length
     middle = force[(way >= _SCAN_MIDDLE[0]) & (way <= _SCAN_MIDDLE[1])]
     if len(middle) < FEWEST_SAMPLES:
         return math.nan, math.nan
@@ -146,8 +139,9 @@ def _within(wrench: Array, clocks: tuple[Array, ...]) -> tuple[Array, Array]:
     return time[kept], wrench[kept, 1:3]
 
 
-def _places(pose: Array, time: Array) -> Array:
-    return np.stack([np.interp(time, pose[:, 0], pose[:, column]) for column in (1, 2)], axis=-1)
+def interpolated(at: Array, known: Array, rows: Array) -> Array:
+    """Rows (n, k), known at (n,), at other places (...): shape (..., k)."""
+    return np.stack([np.interp(at, known, column) for column in rows.T], axis=-1)
 
 
 def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[np.intp]]:

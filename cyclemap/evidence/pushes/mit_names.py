@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from decimal import Decimal
 from pathlib import PurePath
@@ -10,16 +11,12 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
 
 _NUMBER = r"[-+]?\d+(?:\.\d+)?"
-_PUSH = re.compile(
-    rf"motion_surface=(?P<surface>.+)_shape=(?P<object>.+)_a=(?P<a>{_NUMBER})_v=(?P<v>{_NUMBER})"
-    rf"_i=(?P<i>\d+)(?:\.0+)?_s=(?P<s>{_NUMBER})_t=(?P<t>{_NUMBER})(?:_rep=(?P<rep>\d+))?",
-    re.ASCII,
-)
-_SCAN = re.compile(
-    rf"record_surface=(?P<surface>.+)_shape=(?P<object>.+)_a=(?P<a>{_NUMBER})_v=(?P<v>{_NUMBER})"
-    rf"_deg=(?P<deg>{_NUMBER})(?:_rep=(?P<rep>\d+))?",
-    re.ASCII,
-)
+_BEGIN = rf"surface=(?P<surface>.+)_shape=(?P<object>.+)_a=(?P<a>{_NUMBER})_v=(?P<v>{_NUMBER})"
+_END = r"(?:_rep=(?P<rep>\d+))?"
+_PLACE = rf"_i=(?P<i>\d+)(?:\.0+)?_s=(?P<s>{_NUMBER})_t=(?P<t>{_NUMBER})"
+_PUSH = re.compile(f"motion_{_BEGIN}{_PLACE}{_END}", re.ASCII)
+_SCAN = re.compile(f"record_{_BEGIN}_deg=(?P<deg>{_NUMBER}){_END}", re.ASCII)
+# Letters and digits behind a point; decimals of a number are no suffix.
 _SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]*")
 
 
@@ -65,11 +62,10 @@ def push_facts(path: str | PurePath) -> PushFacts | None:
     Names are `motion_surface=S_shape=O_a=A_v=V_i=I_s=F_t=T` with A in mm/s^2, V in mm/s and T in rad, and
     `_rep=NNNN` behind it in repeated sets.
     """
-    found = _PUSH.fullmatch(_stem(path))
-    if found is None:
+    if (read := _read(_PUSH, path)) is None:
         return None
-    place = float(found["i"]), float(found["s"]), float(found["t"])
-    return PushFacts(*_common(found), *place, float(found["rep"] or "nan"))
+    side, fraction, angle = (float(read[0][letter]) for letter in "ist")
+    return PushFacts(*read[1], side, fraction, angle, read[2])
 
 
 def scan_facts(path: str | PurePath) -> ScanFacts | None:
@@ -78,17 +74,23 @@ def scan_facts(path: str | PurePath) -> ScanFacts | None:
     Names are `record_surface=S_shape=O_a=A_v=V_deg=D_rep=RRR`; scans that also turn the object (`rotdeg` in
     the name) are another kind, and none of these.
     """
-    found = _SCAN.fullmatch(_stem(path))
+    if (read := _read(_SCAN, path)) is None:
+        return None
+    return ScanFacts(*read[1], math.radians((float(read[0]["deg"]) + 180.0) % 360.0), read[2])
+
+
+def _read(
+    pattern: re.Pattern[str], path: str | PurePath
+) -> tuple[re.Match[str], tuple[str, str, float, float], float] | None:
+    """The match of a name, its surface, object, acceleration and speed, and its repetition."""
+    name = PurePath(path)
+    found = pattern.fullmatch(name.stem if _SUFFIX.fullmatch(name.suffix) else name.name)
     if found is None:
         return None
-    direction = math.radians((float(found["deg"]) + 180.0) % 360.0)
-    return ScanFacts(*_common(found), direction, float(found["rep"] or "nan"))
-
-
-def _common(found: re.Match[str]) -> tuple[str, str, float, float]:
-    """Surface, object, acceleration and speed of a name, the numbers nearest to a thousandth of the text's."""
-    acceleration, speed = (float(f"{found[part]}e-3") for part in ("a", "v"))
-    return found["surface"], found["object"], acceleration, speed if speed >= 0.0 else math.nan
+    # The numbers nearest to a thousandth of the text's.
+    acceleration, speed = (float(f"{found[letter]}e-3") for letter in "av")
+    motion = acceleration, speed if speed >= 0.0 else math.nan
+    return found, (found["surface"], found["object"], *motion), float(found["rep"] or "nan")
 
 
 def push_name(facts: PushFacts) -> str:
@@ -102,12 +104,9 @@ def push_name(facts: PushFacts) -> str:
     >>> push_facts("motion_surface=pu_shape=hex_a=0_v=5.5_i=1.000_s=0.250_t=-0.349").speed
     0.0055
     """
-    motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
-    place = f"i={_decimal('side', facts.side, 0, 3)}_s={_decimal('fraction', facts.fraction, 0, 3)}"
-    angle = f"t={_decimal('angle', facts.angle, 0, 3)}"
-    end = _repetition_text(facts.repetition, 4)
-    name = f"motion_surface={facts.surface}_shape={facts.object}_{motion}_{place}_{angle}{end}"
-    return _unless_misread(name, facts, push_facts(name))
+    place = (("i", "side"), ("s", "fraction"), ("t", "angle"))
+    told = "_".join(f"{letter}={_decimal(fact, getattr(facts, fact), 0, 3)}" for letter, fact in place)
+    return _name("motion", facts, told, 4, push_facts)
 
 
 def scan_name(facts: ScanFacts) -> str:
@@ -118,12 +117,8 @@ def scan_name(facts: ScanFacts) -> str:
     >>> scan_name(ScanFacts("pu", "rect1", 0.0, 0.02, math.radians(90.0), 1.0))
     'record_surface=pu_shape=rect1_a=0_v=20_deg=270_rep=001'
     """
-    motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
     degrees = round(math.degrees(finite_number("direction", facts.direction)) + 180.0, 9) % 360.0
-    turned = f"deg={_decimal('direction', degrees)}"
-    end = _repetition_text(facts.repetition, 3)
-    name = f"record_surface={facts.surface}_shape={facts.object}_{motion}_{turned}{end}"
-    return _unless_misread(name, facts, scan_facts(name))
+    return _name("record", facts, f"deg={_decimal('direction', degrees)}", 3, scan_facts)
 
 
 def _decimal(name: str, value: float, shift: int = 0, decimals: int = 0) -> str:
@@ -132,28 +127,24 @@ def _decimal(name: str, value: float, shift: int = 0, decimals: int = 0) -> str:
     return f"{exact:.{max(decimals, -int(exact.as_tuple().exponent))}f}"
 
 
-def _repetition_text(repetition: float, digits: int) -> str:
-    if math.isnan(repetition):
-        return ""
-    number = int(repetition) if float(repetition).is_integer() else repetition
-    return f"_rep={whole_number('repetition', number, 0):0{digits}d}"
-
-
-def _unless_misread(name: str, facts: PushFacts | ScanFacts, read: PushFacts | ScanFacts | None) -> str:
-    """Return the name, or raise InvalidInput where reading it gives other facts."""
-
-    def same(value: str | float | None, seen: str | float | None) -> bool:
-        if isinstance(value, (int, float)) and isinstance(seen, (int, float)):
+def _name(
+    kind: str, facts: PushFacts | ScanFacts, place: str, digits: int,
+    read: Callable[[str], PushFacts | ScanFacts | None],
+) -> str:  # fmt: skip
+    """The name of a file; InvalidInput where reading it gives other facts."""
+    motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
+    name, repetition = f"{kind}_surface={facts.surface}_shape={facts.object}_{motion}_{place}", facts.repetition
+    if not math.isnan(repetition):
+        number = int(repetition) if float(repetition).is_integer() else repetition
+        name += f"_rep={whole_number('repetition', number, 0):0{digits}d}"
+    seen = read(name)
+    for fact, value in asdict(facts).items():
+        found = getattr(seen, fact, None)
+        same = value == found
+        if isinstance(value, (int, float)) and isinstance(found, (int, float)):
             # Directions are written to nine decimals of a degree, and are the same a full turn on.
-            return abs(math.remainder(value - seen, 2.0 * math.pi)) < 1e-10 or (math.isnan(value) and math.isnan(seen))
-        return value == seen
-
-    if read is None or not all(same(value, getattr(read, fact)) for fact, value in asdict(facts).items()):
-        raise InvalidInput(f"no file name can say {facts}: it would be read as {read}; mend the texts and numbers")
+            both_unknown = math.isnan(value) and math.isnan(found)
+            same = both_unknown or abs(math.remainder(value - found, 2.0 * math.pi)) < 1e-10
+        if not same:
+            raise InvalidInput(f"no file name can say {facts}: it would be read as {seen}; mend the texts and numbers")
     return name
-
-
-def _stem(path: str | PurePath) -> str:
-    """The file's name without its suffix, letters and digits behind a point: decimals of a number are none."""
-    name = PurePath(path)
-    return name.stem if _SUFFIX.fullmatch(name.suffix) else name.name

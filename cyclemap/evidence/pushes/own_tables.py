@@ -11,7 +11,8 @@ import io
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +21,7 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.text_files import read_text
@@ -29,14 +30,15 @@ Columns = dict[str, Array]
 
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
 TEXTS = (".csv", ".tsv", ".txt", ".dat")
-ANGLES, _PLACES = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y")
+_ANGLES, _PLACES = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y")
 _QUATERNION = ("qx", "qy", "qz", "qw")
-LENGTHS = (*_PLACES, "length")
+_LENGTHS = (*_PLACES, "length")
 _OTHERS = ("t", "episode", "repetition", "side", "fraction")
-KNOWN = (*ANGLES, *LENGTHS, *_OTHERS, *_QUATERNION)
+_KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *_QUATERNION)
 _ANGLE_UNITS, _LENGTH_UNITS = {"deg": math.pi / 180.0, "rad": 1.0}, {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 _TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
+_UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
+_UNITS_OF = dict.fromkeys(_ANGLES, _ANGLE_UNITS) | dict.fromkeys(_LENGTHS, _LENGTH_UNITS) | {"t": _TIME_UNITS}
 
 _ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
 _BEFORE, _AFTER = r"(?:0|before|start|initial|init|pre|vorher|first)", r"(?:1|after|end|final|post|nachher|last)"
@@ -61,17 +63,13 @@ _MEANING = {
         for name in _QUATERNION
     },
 }
-_UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    "radians": "rad",
-    "metres": "m",
-    "meters": "m",
-}
+_UNIT_WORDS = {"degrees": "deg", "degree": "deg", "°": "deg", "grad": "deg"}
+_UNIT_WORDS |= {"radians": "rad", "metres": "m", "meters": "m"}
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _POSES = {"x0", "y0", "x1", "y1"}
 _OURS = ({"theta0_deg"}, {"theta0_accum_deg"}, _POSES, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
 # A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
-_REST_SECONDS, _SLOW, _SLOW_TURN = 0.4, 0.003, 0.03
-_SMOOTHED_SECONDS = 0.2
+_REST_SECONDS, _SLOW, _SLOW_TURN, _SMOOTHED_SECONDS = 0.4, 0.003, 0.03, 0.2
 _LONGEST_HEADER = 100_000
 # Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
 _LARGEST_DECODED = 2**26
@@ -126,9 +124,8 @@ def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, u
     angles (deg, rad), lengths (mm, cm, m) and times (s, ms, us, ns). What is not told is guessed.
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
-    place = Path(path)
-    found, words, guessed = _understood(place, dict(columns or {}), units)
-    pushes, more_words = _cleaned(place, found)
+    found, words, guessed = _understood(Path(path), dict(columns or {}), units)
+    pushes, more_words = _cleaned(Path(path), found)
     return OwnTable(pushes, (*words, *more_words), guessed)
 
 
@@ -140,26 +137,28 @@ def read_orientations(
     growing : a CSV file that is written to, whose last line waits for its end. Then DataFileError also where rows to
     come could change what earlier ones mean: a stream of poses, or a unit that would be guessed.
     """
-    place = Path(path)
-    if growing and place.suffix.lower() not in TEXTS:
-        raise DataFileError(f"{path}: read once it is whole, without --follow: only a CSV file is read while it grows")
-    found, words, guessed = _understood(place, dict(columns or {}), units, growing)
+    found, words, guessed = _understood(Path(path), dict(columns or {}), units, growing)
     known = np.isfinite(found["theta0"])
-    if not known.all():
-        words.append(f"left out for want of an orientation: {int((~known).sum())} of {known.size} rows")
-    return OwnTable({"theta0": found["theta0"][known]}, tuple(words), guessed)
+    return OwnTable({"theta0": found["theta0"][known]}, (*words, *_without_orientation(known)), guessed)
+
+
+def _without_orientation(known: Mask) -> list[str]:
+    count = int(np.sum(~known))
+    return [f"left out for want of an orientation: {count} of {known.size} rows"] if count else []
 
 
 def _understood(
     place: Path, told: dict[str, str], units: Sequence[str], growing: bool = False
 ) -> tuple[Columns, list[str], bool]:
     """The columns in SI units by our names, what was read as what, and whether any of that is a guess."""
+    if growing and place.suffix.lower() not in TEXTS:
+        raise DataFileError(f"{place}: read once it is whole, without --follow: only a CSV file is read while it grows")
     for name in told:
-        if name not in (*KNOWN, "pose"):
-            raise InvalidInput(f"--columns {name}=...: know {', '.join((*KNOWN, 'pose'))}")
+        if name not in (*_KNOWN, "pose"):
+            raise InvalidInput(f"--columns {name}=...: know {', '.join((*_KNOWN, 'pose'))}")
     for unit in units:
-        if unit not in UNITS:
-            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+        if unit not in _UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(_UNITS)}")
     raw = _raw(place, told, growing)
     meaning = _meaning(place, raw, told)
     if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
@@ -168,7 +167,7 @@ def _understood(
     found: Columns = {}
     for name, column in meaning.items():
         factor, said = _factor(name, meaning, raw, units)
-        if growing and name in ANGLES and "guessed" in said:
+        if growing and name in _ANGLES and "guessed" in said:
             raise DataFileError(f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad")
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
@@ -187,9 +186,6 @@ def _understood(
     return found, words, len(meaning) > len(told) or not units
 
 
-# -- what kind of file ------------------------------------------------------------------------------------------
-
-
 def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an unfinished line."""
     if path.is_dir() and (path / "meta" / "info.json").is_file():
@@ -203,17 +199,24 @@ def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
         return _parquet([path])
     if path.suffix.lower() not in EXCEL:
         text = read_text(path, "CSV")
-        return _numbers(path, _text_table(path, text[: text.rfind("\n") + 1] if growing else text))
+        return _csv(path, text[: text.rfind("\n") + 1] if growing else text)
     _library("openpyxl", "excel")
-    pandas: Any = import_module("pandas")
-    try:
+    # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
+    with _refused_as(path, "a spreadsheet"):
         with ZipFile(path) as parts:
             _check_size(path, sum(part.file_size for part in parts.infolist()))
-        return _numbers(path, pandas.read_excel(path))
+        return _numbers(path, import_module("pandas").read_excel(path))
+
+
+@contextmanager
+def _refused_as(path: Path, kind: str) -> Iterator[None]:
+    """Whatever a library raises becomes a DataFileError."""
+    try:
+        yield
     except DataFileError:
         raise
-    except Exception as error:  # zipfile, zlib, XML, openpyxl, pandas: each has its own
-        raise DataFileError(f"{path}: not a spreadsheet that can be read ({error})") from error
+    except Exception as error:
+        raise DataFileError(f"{path}: not {kind} that can be read ({error})") from error
 
 
 def _check_size(path: Path, decoded: int) -> None:
@@ -222,7 +225,7 @@ def _check_size(path: Path, decoded: int) -> None:
         raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
 
 
-def _text_table(path: Path, text: str) -> Any:
+def _csv(path: Path, text: str) -> Columns:
     """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
     pandas: Any = import_module("pandas")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
@@ -240,9 +243,10 @@ def _text_table(path: Path, text: str) -> Any:
             if any(field.strip() for field in row[names:]):
                 raise DataFileError(f"{path}: {len(row)} fields below {names} names: {separator.join(row)[:80]}")
         form = {"sep": separator, "decimal": "." if separator == "," else ",", "skipinitialspace": True}
-        return pandas.read_csv(io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form)
+        frame = pandas.read_csv(io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form)
     except (ValueError, csv.Error, pandas.errors.ParserError) as error:
         raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
+    return _numbers(path, frame)
 
 
 def _numbers(path: Path, frame: Any) -> Columns:
@@ -267,14 +271,11 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
     _library("pyarrow", "lerobot")
     pandas: Any = import_module("pandas")
     parquet: Any = import_module("pyarrow.parquet")
-    try:
+    # Arrow's own kinds of error, and any of what a damaged type makes of pandas.
+    with _refused_as(files[0], "parquet"):
         groups = [told.row_group(n) for told in map(parquet.read_metadata, files) for n in range(told.num_row_groups)]
         _check_size(files[0], 8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)))
         frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
-    except DataFileError:
-        raise
-    except Exception as error:  # arrow's own kinds of error, and any of what a damaged type makes of pandas
-        raise DataFileError(f"{files[0]}: not parquet that can be read ({error})") from error
     found: Columns = {}
     for column in frame.columns:
         values = frame[column]
@@ -352,9 +353,6 @@ def _library(name: str, extra: str) -> None:
         raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[{extra}]'") from error
 
 
-# -- what a column means ------------------------------------------------------------------------------------------
-
-
 def _bare(column: str) -> tuple[str, str]:
     """A column's name without its unit, and the unit; both in small letters."""
     name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
@@ -369,65 +367,64 @@ def _bare(column: str) -> tuple[str, str]:
 def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
     """The file's column for each name that is told or recognised."""
     have = ", ".join(list(raw)[:20])
-    meaning: dict[str, str] = {}
-    for name, column in ((name, column) for name, column in told.items() if name != "pose"):
+    meaning = {name: column for name, column in told.items() if name != "pose"}
+    for name, column in meaning.items():
         if column not in raw:
             raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
-        meaning[name] = column
     for name, patterns in _MEANING.items():
-        hits = [column for column in raw if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
-        hits = [column for column in hits if column not in meaning.values()]
-        if len(hits) > 1 and name not in meaning:
+        if name in meaning:
+            continue
+        free = [column for column in raw if column not in meaning.values()]
+        hits = [column for column in free if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
+        if len(hits) > 1:
             both = f"{' and '.join(hits)} may both be {name}"
             raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
-        if hits and name not in meaning:
+        if hits:
             meaning[name] = hits[0]
     if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
         after = meaning["theta1"]
-        raise DataFileError(
-            f"{path}: is {after} the orientation after the push, or before the next one? Say --columns theta1={after} "
-            f"or theta_next={after}"
-        )
+        told_by = f"Say --columns theta1={after} or theta_next={after}"
+        raise DataFileError(f"{path}: is {after} the orientation after the push, or before the next one? {told_by}")
     quaternion = set(_QUATERNION) & set(meaning)
     if quaternion and quaternion != set(_QUATERNION):
         raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
     if not {"theta0", "theta", "qw"} & set(meaning):
-        raise DataFileError(
-            f"{path}: no column of the object's orientation before each push: say which, --columns theta0=NAME; it has "
-            f"{have}"
-        )
+        mend = "say which, --columns theta0=NAME"
+        raise DataFileError(f"{path}: no column of the object's orientation before each push: {mend}; it has {have}")
     return meaning
 
 
 def _factor(name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]) -> tuple[float, str]:
     """SI units of one unit of a column, and how that is said. All angles, and all places, are guessed to be alike."""
-    alike = ANGLES if name in ANGLES else _PLACES if name in _PLACES else (name,)
-    kinds = _ANGLE_UNITS if name in ANGLES else _LENGTH_UNITS if name in LENGTHS else _TIME_UNITS if name == "t" else {}
+    alike = _ANGLES if name in _ANGLES else _PLACES if name in _PLACES else (name,)
+    kinds = (
+        _ANGLE_UNITS if name in _ANGLES else _LENGTH_UNITS if name in _LENGTHS else _TIME_UNITS if name == "t" else {}
+    )
     if not kinds:
         return 1.0, ""
     told = next((unit for unit in units if unit in kinds), None)
     if told is not None:
-        return UNITS[told], f" in {told}"
+        return _UNITS[told], f" in {told}"
     named = {one: _bare(meaning[one])[1] for one in alike if one in meaning}
     if named[name] in kinds:
-        return UNITS[named[name]], f" in {named[name]}, by its name"
+        return _UNITS[named[name]], f" in {named[name]}, by its name"
     others = {unit for unit in named.values() if unit in kinds}
     if len(others) == 1:
-        return UNITS[unit := others.pop()], f" in {unit}, as its like"
+        return _UNITS[unit := others.pop()], f" in {unit}, as its like"
     values = [raw[meaning[one]] for one, unit in named.items() if unit not in kinds]
     reaches = [float(np.abs(column[np.isfinite(column)]).max(initial=0.0)) for column in values]
     least, most = min(reaches), max(reaches)
     if name == "t" and most > _AN_EPOCH:
         # A count since 1970: its size tells the unit.
         unit = list(_TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
-        return UNITS[unit], f" in {unit} since 1970"
+        return _UNITS[unit], f" in {unit} since 1970"
     if name == "t":
         unit = "s"
-    elif name in ANGLES:
+    elif name in _ANGLES:
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
     else:
         unit = "m" if most <= _NO_METRES else "mm"
-    return UNITS[unit], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
+    return _UNITS[unit], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
 
 
 # -- from streams and rows to pushes ---------------------------------------------------------------------------------
@@ -469,38 +466,32 @@ def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:
     found: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
     ends = np.array(spans)
     for axis in ("x", "y"):
-        for end in (0, 1):
-            found[f"{axis}{end}"] = stream[axis][ends[:, end]] if axis in stream else np.zeros(len(spans))
+        place = stream.get(axis, np.zeros(stream["theta"].size))
+        found |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
     return found, words
 
 
 def _motions(stream: Columns) -> list[tuple[int, int]]:
     """First and last sample of each motion that rests divide."""
-    t, count = stream["t"], stream["theta"].size
-    step = max(float(np.median(np.diff(t))), 1e-6)
-    width = max(1, round(_SMOOTHED_SECONDS / step))
-    zero = np.zeros(count)
-    kernel = np.ones(2 * width + 1) / (2 * width + 1)
+    from scipy.ndimage import uniform_filter1d
+
+    t, zero = stream["t"], np.zeros(stream["t"].size)
+    width = max(1, round(_SMOOTHED_SECONDS / max(float(np.median(np.diff(t))), 1e-6)))
     courses = stream.get("x", zero), stream.get("y", zero), np.unwrap(stream["theta"])
-    smooth = [np.convolve(np.pad(course, width, "edge"), kernel, "valid") for course in courses]
-    x, y, turn = (np.gradient(course, t) for course in smooth)
+    x, y, turn = (np.gradient(uniform_filter1d(one, 2 * width + 1, mode="nearest"), t) for one in courses)
     moves = (np.hypot(x, y) > _SLOW) | (np.abs(turn) > _SLOW_TURN)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(np.int8), [0]])))
-    found: list[tuple[int, int]] = []
-    for low, high in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
-        if found and t[low] - t[found[-1][1]] < _REST_SECONDS:
-            found[-1] = (found[-1][0], high)
-        else:
-            found.append((low, high))
+    begin, end = edges[::2], edges[1::2] - 1
+    rests = t[begin[1:]] - t[end[:-1]] >= _REST_SECONDS
+    begin, end = begin[np.append(True, rests)[: begin.size]], end[np.append(rests, True)[: end.size]]
     # Where smoothing begins to see a motion the object may be on its way: go out to the rests' own samples.
-    return [(max(low - width, 0), min(high + width, count - 1)) for low, high in found]
+    return list(zip(np.maximum(begin - width, 0).tolist(), np.minimum(end + width, t.size - 1).tolist(), strict=True))
 
 
 def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is told."""
-    words: list[str] = []
     known = np.isfinite(found["theta0"])
-    posed = set(found) >= {"theta1", *_POSES}
+    words, posed = _without_orientation(known), set(found) >= {"theta1", *_POSES}
     number = found.get("repetition", np.arange(known.size, dtype=float))
     if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
         return {"theta0": found["theta0"]}, words
@@ -509,11 +500,9 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         follows = np.append(np.diff(number) == 1.0, False)
         found["theta_next"] = np.where(follows, following, math.nan)
         if not follows[:-1].all():
-            words.append(f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
+            words.insert(0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
-    if not known.all():
-        words.append(f"left out for want of an orientation: {int((~known).sum())} of {known.size} rows")
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")

@@ -16,6 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import scan_facts
+from cyclemap.mechanics.slider import Pose
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
 
 HDF5_SUFFIXES = (".h5", ".hdf5")
@@ -28,12 +29,9 @@ _GZIP = 1
 # A damaged file makes h5py raise any of these, and now and then others, from any of its calls.
 _HDF5_FAULTS = (OSError, RuntimeError, ValueError, TypeError, LookupError, MemoryError, AttributeError, zlib.error)
 # Beyond these no table-top measurement lies: a damaged number, or one in other units.
-LARGEST_POSITION = 100.0
-LARGEST_ANGLE = 1e4
-LARGEST_TIME = 1e11
-LARGEST_FORCE = 1e5
-_POSE_LIMITS = (LARGEST_TIME, LARGEST_POSITION, LARGEST_POSITION, LARGEST_ANGLE)
-_WRENCH_LIMITS = (LARGEST_TIME, LARGEST_FORCE, LARGEST_FORCE, LARGEST_FORCE)
+LARGEST_POSITION, LARGEST_ANGLE = 100.0, 1e4
+_POSE_LIMITS = (1e11, LARGEST_POSITION, LARGEST_POSITION, LARGEST_ANGLE)
+_WRENCH_LIMITS = (1e11, 1e5, 1e5, 1e5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +47,8 @@ class PushRecord:
 
     >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
     >>> push = PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]])
-    >>> round(push.turn, 6), push.samples
-    (0.083185, 2)
+    >>> round(push.turn, 6)
+    0.083185
     """
 
     object_pose: Array
@@ -81,10 +79,7 @@ class PushRecord:
     @property
     def displacement(self) -> tuple[float, float]:
         """How far the object moved, m, along x and y of its own frame at the start."""
-        x0, y0, theta0 = self.start
-        x1, y1, _ = self.end
-        c, s = np.cos(theta0), np.sin(theta0)
-        return float(c * (x1 - x0) + s * (y1 - y0)), float(-s * (x1 - x0) + c * (y1 - y0))
+        return Pose(*self.start).to_object(*self.end[:2])
 
     @property
     def turn(self) -> float:
@@ -96,11 +91,6 @@ class PushRecord:
         """How far the rod moved, m: from its first recorded place to its last."""
         x, y = (self.tip_pose[-1, 1:3] - self.tip_pose[0, 1:3]).tolist()
         return math.hypot(x, y)
-
-    @property
-    def samples(self) -> int:
-        """How many poses of the object were recorded."""
-        return len(self.object_pose)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,22 +156,19 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
         if path.name.startswith("record_") and not is_scan:
             raise InvalidInput("its name begins as a friction scan's, but is not that of a straight one; leave it out")
         tables = _tables(path)
+        listed = ", ".join(sorted(tables)) or "none"
         if is_scan or ("object_pose" not in tables and "tip_array" in tables):
             tip = tables.get("tip_array", tables.get("tip_pose"))
             if tip is None or "ft_wrench" not in tables:
-                raise InvalidInput(f"a scan needs the tables tip_array and ft_wrench; the file has {_listed(tables)}")
+                raise InvalidInput(f"a scan needs the tables tip_array and ft_wrench; the file has {listed}")
             return ScanRecord(tip, tables["ft_wrench"])
         if missing := [name for name in PUSH_TABLES if name not in tables]:
-            raise InvalidInput(f"table {', '.join(missing)} is missing; the file has {_listed(tables)}")
+            raise InvalidInput(f"table {', '.join(missing)} is missing; the file has {listed}")
         return PushRecord(*(tables[name] for name in PUSH_TABLES))
     except DataFileError:
         raise
     except InvalidInput as error:
         raise DataFileError(f"{path}: {error}") from error
-
-
-def _listed(tables: dict[str, Any]) -> str:
-    return ", ".join(sorted(tables)[:10]) or "none"
 
 
 def _tables(path: Path) -> dict[str, Any]:
@@ -241,15 +228,15 @@ def _refuse_false_packing(name: str, table: Any, room: int) -> None:
         raise InvalidInput(f"{name} is packed in a way that is not known; write it with gzip or without packing")
     if _GZIP not in filters:
         return
-    skipped, faults = 1 << filters.index(_GZIP), []
 
-    def check(chunk: Any) -> None:
-        if not chunk.filter_mask & skipped:
-            packed = table.id.read_direct_chunk(chunk.chunk_offset)[1]
-            faults.extend([chunk] if len(zlib.decompressobj().decompress(packed, room + 1)) > room else [])
+    def false(chunk: Any) -> bool | None:
+        """True ends the walk through the chunks."""
+        if chunk.filter_mask & (1 << filters.index(_GZIP)):
+            return None
+        packed = table.id.read_direct_chunk(chunk.chunk_offset)[1]
+        return True if len(zlib.decompressobj().decompress(packed, room + 1)) > room else None
 
-    table.id.chunk_iter(check)
-    if faults:
+    if table.id.chunk_iter(false):
         raise InvalidInput(f"{name} unpacks to more than its size; restore the file or remove it")
 
 

@@ -19,6 +19,7 @@ from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_fo
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import LARGEST_ANGLE, LARGEST_POSITION, SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Pose, Slider
 from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
 
 if TYPE_CHECKING:
@@ -45,9 +46,8 @@ _RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 _PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
-_TIP = ("tip_x0", "tip_y0")
-PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_TIP, *_POSES, "theta_next", "force_ratio", "samples", "path")
+_POSES = ("tip_x0", "tip_y0", *ENDS, "dx", "dy", "dtheta")
+PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_POSES, "theta_next", "force_ratio", "samples", "path")
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
@@ -92,11 +92,9 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
         doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
         return [unknown | _pose_row(table, row) for row in table.rows]
     pairs = read_theta0_pairs(table.path)
-    number = np.full(pairs.theta.size, math.nan)
-    if "theta0_accum_deg" in table.header:
-        kept = [row for row in table.rows if table.text(row, "dtheta_to_next_deg") and not table.text(row, "flag")]
-        number = np.array([table.number(row, "rep") for row in kept])
-    columns = zip(number.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
+    number = pairs.cycle if "theta0_accum_deg" in table.header else None
+    numbers = np.full(pairs.theta.size, math.nan) if number is None else number
+    columns = zip(numbers.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
     return [unknown | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
 
 
@@ -110,13 +108,12 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     if all(name in table.header and table.text(row, name) for name in _RODS):
         x0, y0, x1, y1 = (table.number(row, name) for name in _RODS)
         found["length"] = math.hypot(x1 - x0, y1 - y0)
-    x, y, theta, dtheta = found["x1"] - found["x0"], found["y1"] - found["y0"], found["theta0"], found["dtheta"]
-    if math.isnan(dtheta):
-        dtheta = float(shorter_way(found["theta1"] - theta))
-    theta1, c, s = theta + dtheta, math.cos(theta), math.sin(theta)
-    ahead = theta1 + float(shorter_way(found["theta_next"] - theta1))
-    motion = {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
-    return found | motion
+    if math.isnan(found["dtheta"]):
+        found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))
+    found["theta1"] = found["theta0"] + found["dtheta"]
+    found["theta_next"] = found["theta1"] + float(shorter_way(found["theta_next"] - found["theta1"]))
+    dx, dy = Pose(found["x0"], found["y0"], found["theta0"]).to_object(found["x1"], found["y1"])
+    return found | {"dx": dx, "dy": dy}
 
 
 @dataclass(frozen=True)
@@ -133,15 +130,15 @@ class PushTable:
 
     table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`, `angle`
         (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at `tip_x0`, `tip_y0`
-        (m, world). `x0`, `y0` (m), `theta0` (rad): first pose in the world. `x1`, `y1`, `theta1`: last pose, theta1 =
-        theta0 + dtheta. `dx`, `dy` (m): displacement in the object's initial frame. `dtheta` (rad): its turn, counted
-        along the series, so never wrapped. `theta_next` (rad): start of the next repetition of the same set (same
-        folder or CSV table, same facts), on the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle
-        where the drag back turns by less than half a turn. `force_ratio`: median of |tangential| over normal contact
-        force (see `contact_force_ratio`). `samples`: poses of the object, 0 in a CSV table. `path`: the file.
+        (m, world). `x0`, `y0` (m), `theta0` (rad), `x1`, `y1`, `theta1`: first and last pose in the world.
+        `dx`, `dy` (m): displacement in the object's initial frame. `dtheta` (rad): theta1 - theta0, counted along the
+        series, so never wrapped. `theta_next` (rad): start of the next repetition of the same set (same folder or CSV
+        table, same facts), on the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle where the
+        drag back turns by less than half a turn. `force_ratio`: see `contact_force_ratio`. `samples`: poses of the
+        object, 0 in a CSV table. `path`: the file.
     scans : a row a friction scan. `direction` (rad) of the motion in the world, by the name; `force_along` and
-        `force_across` (N): of the rod on the object, along its motion and to the left of it (see `scan_forces`);
-        `ratio`: force_across / force_along, zero where friction is isotropic; `samples`: wrenches; the rest as above.
+        `force_across` (N): see `scan_forces`; `ratio`: force_across / force_along, zero where friction is isotropic;
+        `samples`: wrenches; the rest as above.
     unreadable : the files left out, in order of their paths.
 
     What is unknown is NaN: facts of a file whose name is not of the layout, the repetition of a single push,
@@ -208,17 +205,12 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
         raise InvalidInput(f"{path}: there is nothing there; give a file or a folder of pushes")
     if not path.is_dir():
         return [path], []
-    closed: list[UnreadableFile] = []
-
-    def note(error: OSError) -> None:
-        closed.append(UnreadableFile(Path(error.filename), f"the folder cannot be entered ({error.strerror})"))
-
-    kinds = (*SUFFIXES, CSV_SUFFIX)
-    below = [Path(folder, name) for folder, _, names in os.walk(path, onerror=note) for name in names]
+    kinds, errors = (*SUFFIXES, CSV_SUFFIX), list[OSError]()
+    below = [Path(folder, name) for folder, _, names in os.walk(path, onerror=errors.append) for name in names]
     files = sorted(file for file in below if file.suffix.lower() in kinds)
     if not files:
         raise InvalidInput(f"{path}: the folder holds no push data ({', '.join(kinds)}); check the path")
-    return files, closed
+    return files, [UnreadableFile(Path(e.filename), f"the folder cannot be entered ({e.strerror})") for e in errors]
 
 
 def _rows(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -236,17 +228,15 @@ def _rows(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     facts = push_facts(path) or PushFacts()
     outline = _mit_outline(facts.object)
     ratio = math.nan if outline is None else contact_force_ratio(record, outline)
-    poses = dict(zip(_POSES, (*record.start, *record.end, *record.displacement, record.turn), strict=True))
-    tip = dict(zip(_TIP, record.tip_pose[0, 1:3].tolist(), strict=True))
-    rest = {"length": record.length, "force_ratio": ratio, "samples": record.samples, "path": str(path)}
-    return [asdict(facts) | poses | tip | rest], []
+    tip = record.tip_pose[0, 1:3].tolist()
+    poses = dict(zip(_POSES, (*tip, *record.start, *record.end, *record.displacement, record.turn), strict=True))
+    rest = {"length": record.length, "force_ratio": ratio, "samples": len(record.object_pose), "path": str(path)}
+    return [asdict(facts) | poses | rest], []
 
 
 @cache
 def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
     """The closed outline of an MIT shape as a polyline, m; None for any other object."""
-    from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
-
     return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None
 
 

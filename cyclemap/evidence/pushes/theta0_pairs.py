@@ -20,14 +20,12 @@ from cyclemap.text_files import CsvTable, read_csv_table, require_columns
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
-ORDERED_COLUMN = "theta0_deg"
-LAYOUTS = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ORDERED_COLUMN} alone"
 
 # Angles of fewer rows may lie within a few degrees of each other by chance.
 # They are read as radians where they come near a turn, and, but for rounding, not beyond.
 _TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
-CONSISTENT_DEG = 0.005
+_CONSISTENT_DEG = 0.005
 # Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond so many are told.
 _ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
@@ -63,10 +61,8 @@ class Theta0Pairs:
         if not (np.isfinite(self.theta).all() and np.isfinite(self.theta_next).all()):
             raise InvalidInput("theta and theta_next hold a number that is not finite; remove those pairs")
         for name, cycle, angles in (("cycle", self.cycle, self.theta), ("path_cycle", self.path_cycle, self.path)):
-            if cycle is None:
-                continue
             shape = None if angles is None else angles.shape
-            if cycle.shape != shape or not np.isfinite(cycle).all():
+            if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
                 told = f"{name} has shape {cycle.shape} for angles of shape {shape}"
                 raise InvalidInput(f"{told}; give one number an angle")
 
@@ -95,15 +91,10 @@ class Theta0Pairs:
         stretch = slice(int(ends[longest]), int(ends[longest + 1]))
         return replace(self, path=self.path[stretch], path_cycle=self.path_cycle[stretch])
 
-    @property
-    def dropped_count(self) -> int:
-        """How many pairs were left out in all."""
-        return sum(self.dropped.values())
-
 
 def _is_large(gap_deg: Array) -> NDArray[np.bool_]:
     """Which gaps are no mere error of measured orientations: the object was moved, or an orientation misread."""
-    return np.abs(gap_deg) > max(CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
+    return np.abs(gap_deg) > max(_CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
 
 
 def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
@@ -125,18 +116,24 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
         return _from_staircase(table)
     if "theta_next_deg" in table.header:
         return _from_pairs(table)
-    if ORDERED_COLUMN not in table.header:
-        raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
+    ordered, ahead = PAIR_COLUMNS
+    if ordered not in table.header:
+        layouts = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ordered} alone"
+        raise table.error(1, f"the header is {','.join(table.header)}; it must be {layouts}")
     for name in table.header:
-        if "next" in name or get_close_matches(name, PAIR_COLUMNS[1:], cutoff=_NEARLY_THE_NAME):
-            told = f"the header has {name} beside {ORDERED_COLUMN}: name it {PAIR_COLUMNS[1]} if it is the next θ0 in"
-            raise table.error(1, f"{told} degrees, or leave it out")
-    theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
+        if "next" in name or get_close_matches(name, (ahead,), cutoff=_NEARLY_THE_NAME):
+            told = f"the header has {name} beside {ordered}: name it {ahead} if it is the next θ0 in degrees"
+            raise table.error(1, f"{told}, or leave it out")
+    theta = _column(table, ordered)
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     course = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
     number = np.arange(float(course.size))
     return Theta0Pairs(course[:-1], course[1:], course, cycle=number[:-1], path_cycle=number)
+
+
+def _column(table: CsvTable, name: str) -> Array:
+    return np.array([table.number(row, name) for row in table.rows])
 
 
 def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
@@ -153,19 +150,17 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
 
 def _from_staircase(table: CsvTable) -> Theta0Pairs:
     require_columns(table, STAIRCASE_COLUMNS)
-    path = np.array([table.number(row, "theta0_accum_deg") for row in table.rows])
+    number, path, wrapped = (_column(table, name) for name in STAIRCASE_COLUMNS[:3])
     # Empty where there is no next one.
     column = "dtheta_to_next_deg"
     turns = np.array([table.number(row, column) if table.text(row, column) else np.nan for row in table.rows])
-    number = np.array([table.number(row, "rep") for row in table.rows])
-    wrapped = np.array([table.number(row, "theta0_mod360_deg") for row in table.rows])
     if not np.isnan(turns[-1]):
         last = table.rows[-1].line
         raise table.error(last, "the last row has a next θ0: the file is cut off; restore it or empty that field")
-    for index in np.flatnonzero(np.abs(_shorter_way(path - wrapped)) > CONSISTENT_DEG)[:1]:
+    for index in np.flatnonzero(np.abs(_shorter_way(path - wrapped)) > _CONSISTENT_DEG)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
         raise table.error(table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})")
-    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
+    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > _CONSISTENT_DEG)
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
         raise table.error(table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off")
@@ -180,11 +175,11 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
 
 def _from_pairs(table: CsvTable) -> Theta0Pairs:
     require_columns(table, PAIR_COLUMNS)
-    theta, theta_next = (np.array([table.number(row, name) for row in table.rows]) for name in PAIR_COLUMNS)
+    theta, theta_next = (_column(table, name) for name in PAIR_COLUMNS)
     turn = _shorter_way(theta_next - theta)
     gap = _shorter_way(theta[1:] - theta_next[:-1])
     usual, varied = np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1) if gap.size else (0.0, 0.0)
-    exact = bool((np.abs(gap) <= CONSISTENT_DEG).all())
+    exact = bool((np.abs(gap) <= _CONSISTENT_DEG).all())
     # A sweep over θ0 begins near where the pair before ended, too: but then gaps vary as much as turns.
     if not gap.size or not (exact or (theta.size >= _ENOUGH and usual <= _SMALL_GAP * varied)):
         return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
@@ -194,9 +189,7 @@ def _from_pairs(table: CsvTable) -> Theta0Pairs:
         told += "taken to be in order, and staircases are of the longest run without such a pair"
         warnings.warn(told, DoubtfulInput, stacklevel=3)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
-    number = np.arange(float(path.size))
-    theta = path[:-1]
-    steps = np.deg2rad(theta), np.deg2rad(theta + turn)
+    number, steps = np.arange(float(path.size)), (np.deg2rad(path[:-1]), np.deg2rad(path[:-1] + turn))
     return Theta0Pairs(*steps, np.deg2rad(path), cycle=number[:-1], path_cycle=number)
 
 
@@ -232,10 +225,7 @@ def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class TurnBins:
-    """The median turn in equal bins of θ0; only bins that hold at least three pairs are listed.
-
-    centre : (k,) rad in [0, 2π). median : (k,) rad. count : (k,) pairs.
-    """
+    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 with three or more."""
 
     centre: Array
     median: Array
@@ -252,7 +242,7 @@ class AngleHistogram:
 
 @dataclass(frozen=True)
 class MapAgreement:
-    """How far measured turns lie from a map's: root mean squares over pairs and over bin medians (rad)."""
+    """How far measured turns lie from a map's: root mean squares over pairs, and over bin medians alike (rad)."""
 
     pairs: int
     rms: float
@@ -292,10 +282,7 @@ def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOverlay:
-    """Measured pairs with their medians by direction, their histogram, and their distance from a map.
-
-    The distance of the medians counts each bin once: rarely visited directions weigh as much as crowded ones.
-    """
+    """Measured pairs with their medians by direction, their histogram, and their distance from a map."""
 
     pairs: Theta0Pairs
     bins: TurnBins

@@ -5,61 +5,43 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, read_only
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
+from cyclemap.checks import finite_array
+from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
 from cyclemap.evidence.pushes.push_files import PushRecord
-from cyclemap.evidence.replay.stroke_chain import (
-    clearing_shift,
-    cut_curve,
-    is_cut_curve,
-    push_along,
-    push_curve_along,
-    rod_gap,
-)
-from cyclemap.mechanics import Pose, QuasiStaticModel
-from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
+from cyclemap.mechanics.first_touch import first_touch
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3
 # A tip that goes less far than this does not push.
-SHORTEST_PATH = 1e-3
+_SHORTEST_PATH = 1e-3
+# More than this is no offset of a calibration: the record and the outline do not fit each other.
+_LARGEST_SHIFT = 5e-3
+# Curved outlines are cut into pieces of a thousandth of their size: gaps are exact to 0.1 micrometre.
+_PIECES = 3600
+# What is left between rod and object after a shift, and how well gaps of touching rods are known, m.
+_CLEARANCE, _ROUNDING, _MOST_SHIFTS = 1e-7, 1e-7, 10
+# Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
+_SAMPLE_SPACING = 0.5e-3
 # An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
 _MOVED = 0.5e-3
 
 
-@dataclass(frozen=True, eq=False)
-class TipPath:
-    """A path of straight strokes from corner to corner.
-
-    corners : (k, 2) m, in the world frame. time : (m,) s. travel : (m,) m along the chain at those times; it never
-    falls. straightness : largest distance (m) of a recorded place from the chord between the first and the last.
-    """
-
-    corners: Array
-    time: Array
-    travel: Array
-    straightness: float
-
-    def place_at(self, travel: Array) -> Array:
-        """Return the places (..., 2), m, at travels (...), m."""
-        at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.corners, axis=0).T))])
-        return np.stack([np.interp(travel, at, self.corners[:, axis]) for axis in (0, 1)], axis=-1)
-
-
-def tip_path(tip_pose: Array) -> TipPath:
+def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
     """Return the chain of straight strokes that stays within 0.3 mm of a recorded tip.
 
-    tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners are recorded places,
-    chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). Raises InvalidInput where the tip
-    moves less than 1 mm.
+    tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners (k, 2), m, are recorded
+    places, chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). With them come the travel (m,)
+    along the chain at the recorded times, which never falls, and the largest distance of a place from the chord between
+    the first and the last, m. Raises InvalidInput where the tip moves less than 1 mm.
     """
-    table = finite_array("tip pose", tip_pose, ndim=2)
-    place = table[:, 1:3]
+    place = finite_array("tip pose", tip_pose, ndim=2)[:, 1:3]
     kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
     while spans:
         first, last = spans.pop()
@@ -78,10 +60,9 @@ def tip_path(tip_pose: Array) -> TipPath:
             along = (place[first : last + 1] - place[first]) @ (chord / length)
             travel[first : last + 1] = travel[first] + np.clip(along, 0.0, length)
     travel = np.maximum.accumulate(travel)
-    if travel[-1] < SHORTEST_PATH:
+    if travel[-1] < _SHORTEST_PATH:
         raise InvalidInput(f"the tip moves {1e3 * travel[-1]:.2g} mm: it pushes nothing")
-    straightness = float(_from_chord(place).max())
-    return TipPath(read_only(place[corners]), read_only(table[:, 0]), read_only(travel), straightness)
+    return place[corners], travel, float(_from_chord(place).max())
 
 
 def _from_chord(place: Array) -> Array:
@@ -92,17 +73,90 @@ def _from_chord(place: Array) -> Array:
     return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
 
 
+def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> tuple[float, Array]:
+    """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward normal (2,) there.
+
+    The gap is negative where the rod reaches into the object; the normal is in the world frame.
+    """
+    outline = model.slider.outline
+    rod = np.array(pose.to_object(*place))
+    corners = outline.points(_PIECES)
+    (place_on,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
+    offset = rod - place_on
+    distance = float(np.hypot(*offset))
+    inside = bool(outline.contains(rod))
+    outward = -offset if inside else offset
+    if distance < 1e-12:
+        # On the outline itself the edge's own normal points out.
+        along = corners[edge + 1] - corners[edge]
+        outward = np.array([along[1], -along[0]])
+    outward = outward / np.hypot(*outward)
+    gap = (-distance if inside else distance) - model.pusher.radius
+    return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
+
+
+def clearing_shift(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> Array:
+    """Return the least shift (2,), m, world frame, that takes a rod at `place` out of the object; zero outside.
+
+    Along the outward normal, until rod and object are 0.1 micrometre apart. Raises InvalidInput where 5 mm are not
+    enough: that is no offset between two calibrations.
+    """
+    shift = np.zeros(2)
+    for _ in range(_MOST_SHIFTS):
+        gap, normal = rod_gap(model, pose, (place[0] + float(shift[0]), place[1] + float(shift[1])))
+        if gap >= 0.5 * _CLEARANCE:
+            return shift
+        shift = shift + (_CLEARANCE - gap) * normal
+        if np.hypot(*shift) > _LARGEST_SHIFT:
+            break
+    depth, most = 1e3 * np.hypot(*shift), 1e3 * _LARGEST_SHIFT
+    told = f"the rod starts {depth:.3g} mm inside the object, more than the {most:.0f} mm that a calibration may be off"
+    raise InvalidInput(f"{told}: check the object's outline and the rod's radius")
+
+
+def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> tuple[Array, Array, bool, bool]:
+    """Push the object from `pose` with a rod that goes straight from corner to corner, (k, 2), m, world frame.
+
+    Returns travels (n,), m along the chain, that never fall, the poses (n, 3) there (m, rad), whether the rod ever
+    pushed, and whether it had lost the object by the end.
+    Each stroke is a push of its own that starts where the last one ended, in contact or not: quasi-static motion has
+    no memory. A rod that loses the object may find it again on a later stroke. Raises UnsupportedContact where the
+    rod touches two sides at once or enters the object, ConvergenceError where the contact cannot be solved.
+    """
+    travels, poses = [np.zeros(1)], [np.array([[pose.x, pose.y, pose.theta]])]
+    done, touched, left = 0.0, False, False
+    for start, end in pairwise(corners):
+        length = math.hypot(*(end - start))
+        if length == 0.0:
+            continue
+        place, direction = (float(start[0]), float(start[1])), math.atan2(*(end - start)[::-1].tolist())
+        if rod_gap(model, pose, place)[0] < -_ROUNDING:
+            there = f"({place[0]:.4f}, {place[1]:.4f}) m"
+            raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
+        rod = np.array(pose.to_object(*place)) / model.unit
+        touch = first_touch(model.pieces, model.radius, rod, direction - pose.theta)
+        left = touched
+        if touch is not None and touch[0] * model.unit < length:
+            push = model.push(pose, WorldPush(place, direction, length), _SAMPLE_SPACING)
+            course, at = push.trajectory, done + touch[0] * model.unit
+            travels += [np.array([at]), at + course.path]
+            poses += [poses[-1][-1:], course.pose]
+            pose, touched, left = push.end, True, push.ended == "left"
+        done += length
+        travels.append(np.array([done]))
+        poses.append(poses[-1][-1:])
+    return np.maximum.accumulate(np.concatenate(travels)), np.concatenate(poses), touched, left
+
+
 @dataclass(frozen=True, eq=False)
 class Replay:
     """A recorded push beside its prediction, at the times of the recorded poses.
 
     time : (n,) s. measured, predicted : (n, 3), x, y (m) and theta (rad, counted along the series).
-    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place.
-    shift : (2,) m, by which the recorded path was moved: by the offset that was given, and on so that the rod does not
-        start inside the object. start_gap : m, between rod and object at the start with the offset alone; negative:
-        they overlap.
+    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place. outline : (k, 2) m, the object's, closed.
+    shift : (2,) m, by which the recorded path was moved: the offset that was given, and what takes the rod out of the
+        object at the start. start_gap : m, between rod and object there with the offset alone; negative: they overlap.
     straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand for it.
-    outline : (k, 2) m, the object's closed outline in its own frame.
     touched, left : whether the predicted rod touches the object, and has lost it by the end.
     touch_agrees : whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod travel, or neither does.
     leaving_agrees : whether the rod ends over 3 mm from both objects, or from neither.
@@ -123,10 +177,6 @@ class Replay:
     touch_agrees: bool
     leaving_agrees: bool
 
-    def __post_init__(self) -> None:
-        for name in ("time", "measured", "predicted", "travel", "tip", "shift", "outline"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
-
     @property
     def error(self) -> Array:
         """(n,) m, distance between the predicted and the measured place."""
@@ -137,22 +187,19 @@ class Replay:
         """(n,) rad, predicted minus measured turn."""
         return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
 
-    @property
-    def rms(self) -> tuple[float, float]:
-        """Root mean square of both errors along the rod's path: m, rad."""
-        return _mean_square(self.travel, self.error), _mean_square(self.travel, self.turn_error)
-
-    @property
-    def measured_motion(self) -> tuple[float, float]:
-        """How far the object went, m, and turned, rad."""
-        x, y, turn = (self.measured[-1] - self.measured[0]).tolist()
-        return math.hypot(x, y), turn
-
-    @property
-    def predicted_motion(self) -> tuple[float, float]:
-        """How far the object should have gone, m, and turned, rad."""
-        x, y, turn = (self.predicted[-1] - self.predicted[0]).tolist()
-        return math.hypot(x, y), turn
+    def summary(self) -> dict[str, Any]:
+        """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and whether."""
+        weight, found = np.diff(self.travel), dict[str, Any]()
+        for name, error in (("error", self.error), ("turn_error", self.turn_error)):
+            # The root mean square along the rod's way, by the trapezium rule.
+            middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
+            mean_square = float(weight @ middle) / float(weight.sum()) if weight.sum() > 0.0 else math.nan
+            found |= {name: float(error[-1]), f"rms_{name}": math.sqrt(mean_square)}
+        for name, poses in (("measured", self.measured), ("predicted", self.predicted)):
+            x, y, turn = (poses[-1] - poses[0]).tolist()
+            found |= {f"{name}_motion": math.hypot(x, y), f"{name}_turn": turn}
+        told = ("start_gap", "straightness", "strokes", "touched", "left", "touch_agrees", "leaving_agrees")
+        return {**found, "shift": math.hypot(*self.shift.tolist()), **{name: getattr(self, name) for name in told}}
 
 
 def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)) -> Replay:
@@ -161,32 +208,32 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is a single push. The
     model is quasi-static: the tip's times say where the rod is, its speed changes nothing. A rod that overlaps the
     object at the start by up to 5 mm is an offset between two calibrations: the path is then shifted along the
-    outward normal until they touch. `offset` (m) is added to the path before, as far as it is known. A rod that never
-    touches predicts no motion.
-
-    Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and ConvergenceError as
-    `QuasiStaticModel.push` does.
+    outward normal until they touch. `offset` (m) is added to the path before. A rod that never touches predicts no
+    motion. Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and
+    ConvergenceError as `QuasiStaticModel.push` does.
 
     >>> from cyclemap.mechanics import EllipseFriction, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
     >>> replay = replay_push(PushRecord(still, tip, still), model)
-    >>> [round(1e3 * length, 3) for length in replay.predicted_motion[:1]]
-    [9.75]
+    >>> round(1e3 * replay.summary()["predicted_motion"], 3)
+    9.75
     """
-    path, start = tip_path(record.tip_pose), Pose(*record.start)
-    first = (float(path.corners[0, 0]) + offset[0], float(path.corners[0, 1]) + offset[1])
+    (corners, way, straightness), start = tip_path(record.tip_pose), Pose(*record.start)
+    first = (float(corners[0, 0]) + offset[0], float(corners[0, 1]) + offset[1])
     shift = clearing_shift(model, start, first) + offset
-    outline = model.slider.outline
-    if isinstance(outline, Polygon) and is_cut_curve(outline):
-        run = push_curve_along(model, cut_curve(outline), start, path.corners + shift)
-    else:
-        run = push_along(model, start, path.corners + shift)
+    at, poses, touched, left = push_along(model, start, corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
-    travel = np.interp(record.object_pose[:, 0], path.time, path.travel)
-    predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
-    onsets = [_onset(poses, travel, model.unit) for poses in (measured, predicted)]
+    travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], way)
+    bends = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+    predicted, tip = interpolated(travel, at, poses), interpolated(travel, bends, corners) + shift
+    onsets = []
+    for course in (measured, predicted):
+        # Travel at which the object begins to move; NaN: never.
+        off = course - course[0]
+        far = np.hypot(*off[:, :2].T) + model.unit * np.abs(off[:, 2]) > _MOVED
+        onsets.append(float(travel[far.argmax()]) if far.any() else math.nan)
     last = (float(tip[-1, 0]), float(tip[-1, 1]))
     apart = [rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK for poses in (measured, predicted)]
     return Replay(
@@ -198,24 +245,10 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         shift,
         model.slider.outline_points(),
         start_gap=rod_gap(model, start, first)[0],
-        straightness=path.straightness,
-        strokes=len(path.corners) - 1,
-        touched=run.touched,
-        left=run.left,
+        straightness=straightness,
+        strokes=len(corners) - 1,
+        touched=touched,
+        left=left,
         touch_agrees=bool(np.isnan(onsets).all()) or abs(onsets[0] - onsets[1]) <= CONTACT_SLACK,
         leaving_agrees=apart[0] == apart[1],
     )
-
-
-def _mean_square(travel: Array, error: Array) -> float:
-    """Root mean square over the travel, by the trapezium rule."""
-    weight = np.diff(travel)
-    middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
-    return math.sqrt(float(weight @ middle) / float(weight.sum())) if weight.sum() > 0.0 else math.nan
-
-
-def _onset(poses: Array, travel: Array, extent: float) -> float:
-    """Travel at which the object begins to move; NaN: never."""
-    moved = poses - poses[0]
-    far = np.hypot(*moved[:, :2].T) + extent * np.abs(moved[:, 2]) > _MOVED
-    return float(travel[far.argmax()]) if far.any() else math.nan

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,15 +89,13 @@ def dataset_sliders() -> dict[str, Slider]:
 
 @dataclass(frozen=True, eq=False)
 class ReplayedPushes:
-    """Pushes replayed, a row each, and the files left out.
+    """Pushes replayed, a row each, and the files left out, each with the reason; replays in the order of the table.
 
-    table : a row a replay. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
-        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus measured): at the end.
-        `isotropic_error`, `isotropic_turn_error`: those of isotropic friction under even pressure.
-        `rms_error`, `rms_turn_error`: along the rod's path. `measured_motion`, `predicted_motion` (m),
-        `measured_turn`, `predicted_turn` (rad). `shift` (m), `start_gap` (m), `straightness` (m), `strokes`,
-        `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`. `path`: the file.
-    replays : in the order of the table. not_replayed : the other files, each with the reason.
+    table : `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`, `repetition`: by the file's
+        name. `error` (m), `turn_error` (rad, predicted minus measured): at the end; `isotropic_error`,
+        `isotropic_turn_error`: of isotropic friction under even pressure; `rms_error`, `rms_turn_error`: along the
+        rod's path. `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn` (rad),
+        `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`.
     """
 
     table: pandas.DataFrame
@@ -122,30 +118,26 @@ class ReplayedPushes:
         for column in columns:
             if column not in self.table.columns:
                 raise InvalidInput(f"no column {column!r} to gather by: know {', '.join(self.table.columns)}")
-        work = self.table.assign(
-            turn_off=self.table["turn_error"].abs(),
-            turned=self.table["measured_turn"].abs(),
-            isotropic_off=self.table["isotropic_turn_error"].abs(),
-        )
-        groups = work.groupby(list(columns), dropna=False)
+        turns = ("turn_error", "measured_turn", "isotropic_turn_error")
+        groups = self.table.assign(**self.table[[*turns]].abs()).groupby(list(columns), dropna=False)
         mean, median = groups.mean(numeric_only=True), groups.median(numeric_only=True)
         found = {
             "count": groups.size(),
             "mean_error": mean["error"],
             "median_error": median["error"],
-            "mean_turn_error": mean["turn_off"],
-            "median_turn_error": median["turn_off"],
+            "mean_turn_error": mean["turn_error"],
+            "median_turn_error": median["turn_error"],
             "mean_motion": mean["measured_motion"],
-            "mean_turn": mean["turned"],
+            "mean_turn": mean["measured_turn"],
             "relative_error": mean["error"] / mean["measured_motion"],
-            "relative_turn_error": mean["turn_off"] / mean["turned"],
+            "relative_turn_error": mean["turn_error"] / mean["measured_turn"],
             "mean_rms_error": mean["rms_error"],
             "touch_agrees": mean["touch_agrees"],
             "leaving_agrees": mean["leaving_agrees"],
             "isotropic_mean_error": mean["isotropic_error"],
-            "isotropic_mean_turn_error": mean["isotropic_off"],
+            "isotropic_mean_turn_error": mean["isotropic_turn_error"],
         }
-        return work.__class__(found).reset_index()
+        return self.table.__class__(found).reset_index()
 
 
 def replay_pushes(
@@ -185,29 +177,34 @@ def replay_pushes(
     shifts = {one.plate: (one.x, one.y) for one in frames}
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
-    left_out = [
-        *found.unreadable,
-        *(UnreadableFile(Path(file), "a friction scan, not a push") for file in found.scans["path"].unique()),
-    ]
+    left_out = list(found.unreadable)
+    left_out += [UnreadableFile(Path(file), "a friction scan, not a push") for file in found.scans["path"].unique()]
     files, total, done = found.table["path"].unique(), max(len(found.table), 1), 0
     if not len(files) and left:
         raise InvalidInput(f"{path}: nothing is selected: {', '.join(f'{count} {why}' for why, count in left.items())}")
-    for name in files:
+    for file in map(Path, files):
         try:
-            for facts, record in _recorded(Path(name), selection, left_out):
+            for facts, record in _recorded(file, selection, left_out):
                 done += 1
                 try:
-                    (model, plain), offset = models(facts.object), shifts.get(facts.object or "", (0.0, 0.0))
+                    if facts.object is None:
+                        raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
+                    if facts.object not in models:
+                        told = f"object {facts.object!r} has no outline"
+                        raise InvalidInput(f"{told}: neither the material file nor the data's collection.toml has it")
+                    (model, plain), offset = models[facts.object], shifts.get(facts.object, (0.0, 0.0))
                     replay = replay_push(record, model, offset)
                     isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
                 except CycleMapError as error:
-                    left_out.append(UnreadableFile(Path(name), str(error)))
+                    left_out.append(UnreadableFile(file, str(error)))
                 else:
                     replays.append(replay)
-                    rows.append(_row(Path(name), facts, replay, isotropic))
+                    plainly = {f"isotropic_{key}": isotropic.summary()[key] for key in ("error", "turn_error")}
+                    known = {key: getattr(facts, key) for key in _FACTS}
+                    rows.append({**known, **replay.summary(), **plainly, "path": str(file)})
                 report(_READING + (1.0 - _READING) * min(done / total, 1.0))
         except CycleMapError as error:
-            left_out.append(UnreadableFile(Path(name), str(error)))
+            left_out.append(UnreadableFile(file, str(error)))
     report(1.0)
     left_out.sort(key=lambda entry: entry.path)
     return ReplayedPushes(pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out))
@@ -215,25 +212,16 @@ def replay_pushes(
 
 def _models(
     sliders: Mapping[str, Slider], friction: EllipseFriction, pusher: Pusher, plates: Sequence[PlatePressure]
-) -> Callable[[str | None], tuple[QuasiStaticModel, QuasiStaticModel]]:
-    """What gives the models of an object, made once: on the surface, and on isotropic friction under even pressure."""
-    pressed = {one.plate: one for one in plates}
-
-    @cache
-    def models(name: str | None) -> tuple[QuasiStaticModel, QuasiStaticModel]:
-        if name is None:
-            raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
-        if name not in sliders:
-            raise InvalidInput(
-                f"object {name!r} has no outline: neither the material file nor the data's collection.toml has it"
-            )
-        slider, footprint = sliders[name], None
+) -> dict[str, tuple[QuasiStaticModel, QuasiStaticModel]]:
+    """The models of each object: on the surface, and on isotropic friction under even pressure."""
+    pressed, models = {one.plate: one for one in plates}, {}
+    for name, slider in sliders.items():
+        footprint = None
         if name in pressed:
             footprint = PatchFootprint(slider.outline, **pressed[name].shares, centre=slider.centre_of_mass)
         model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
         is_plain = footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
-        return model, model if is_plain else model.isotropic
-
+        models[name] = model, model if is_plain else model.isotropic
     return models
 
 
@@ -261,29 +249,3 @@ def _recorded(
         poses = [[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]]
         tips = [[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]]
         yield PushFacts(**facts), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
-
-
-def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dict[str, Any]:
-    rms, rms_turn = replay.rms
-    (went, turned), (would_go, would_turn) = replay.measured_motion, replay.predicted_motion
-    return {name: getattr(facts, name) for name in _FACTS} | {
-        "error": float(replay.error[-1]),
-        "turn_error": float(replay.turn_error[-1]),
-        "isotropic_error": float(isotropic.error[-1]),
-        "isotropic_turn_error": float(isotropic.turn_error[-1]),
-        "rms_error": rms,
-        "rms_turn_error": rms_turn,
-        "measured_motion": went,
-        "predicted_motion": would_go,
-        "measured_turn": turned,
-        "predicted_turn": would_turn,
-        "shift": math.hypot(*replay.shift.tolist()),
-        "start_gap": replay.start_gap,
-        "straightness": replay.straightness,
-        "strokes": replay.strokes,
-        "touched": replay.touched,
-        "left": replay.left,
-        "touch_agrees": replay.touch_agrees,
-        "leaving_agrees": replay.leaving_agrees,
-        "path": str(path),
-    }

@@ -19,13 +19,13 @@ from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, Theta0Pairs, a
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 
-DEFAULT_RUNS = 200
+_RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
 _PATIENCE, _LEAST = 3, 60
 # Early and late are told an eighth of the run from its ends: polynomials are least certain at the very ends.
-EARLY, LATE = 0.125, 0.875
+_EARLY, _LATE = 0.125, 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
-WORN_IN = 0.25
+_WORN_IN = 0.25
 _GRID = 1440
 _AROUND = TWO_PI * np.arange(_GRID) / _GRID
 # Fewer cycles than these pass any place too seldom to tell wear from scatter.
@@ -43,11 +43,11 @@ _POOLED, _COMPARED = 20_000, 40
 
 @dataclass(frozen=True, eq=False)
 class TurnPace:
-    """The full turns of a measured path, in order, each beside its prediction.
+    """The full turns (k,) of a measured path, in order, each beside its prediction.
 
-    start : (k,) the cycle in which each turn began. measured : (k,) the pushes that it took.
-    predicted, lower, upper : (k,) median and central 95 % of the pushes that the worn map takes for the same turn,
-        begun in the same cycle at the same angle; inf where too many paths took longer than they were followed.
+    start : the cycle in which each began. measured : the pushes that it took. predicted, lower, upper : median and
+    central 95 % of the pushes that the worn map takes for the same turn, begun in the same cycle at the same angle; inf
+    where too many paths took longer than they were followed.
     """
 
     start: Array
@@ -76,9 +76,7 @@ def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
     return np.searchsorted(highest, levels)
 
 
-def turn_pace(
-    fitted: FittedMap, path: Array, cycle: Array, level: float, runs: int = DEFAULT_RUNS, seed: int = 0
-) -> TurnPace:
+def turn_pace(fitted: FittedMap, path: Array, cycle: Array, level: float, runs: int = _RUNS, seed: int = 0) -> TurnPace:
     """Time the turns of a path (m,), rad, whose entries were recorded in the cycles ``cycle`` (m,).
 
     level : rad, where a turn begins and ends: best where the map is fast, so that jitter does not move the mark.
@@ -104,11 +102,9 @@ def turn_pace(
 
 @dataclass(frozen=True)
 class TurnPlace:
-    """An orientation and the turn of a cycle there.
+    """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever the place.
 
-    theta : rad. turn, lower, upper : rad, the fitted turn and an interval that holds 95 % of the time, wherever the
-        place: neighbouring residuals that are alike and the law's own misfit thereabouts are counted.
-    cycles : that a slow passage takes there, else None.
+    Neighbouring residuals that are alike and the law's own misfit thereabouts are in it. cycles : of a slow passage.
     """
 
     theta: float
@@ -139,9 +135,8 @@ class MapState:
 class WornForecast:
     """Paths of the worn map beside the measured one.
 
-    first_cycle : from here on turns are counted. measured_turns : climbed by then to the end, in full turns.
-    left_out_turns : the part of these made in cycles that the fit left out (gaps and flagged jumps).
-    turns : (runs,) climbed by paths that start where the measured one stood in ``first_cycle``.
+    first_cycle : from here on full turns are counted. measured_turns : climbed from there to the end; left_out_turns :
+        those in cycles that the fit left out (gaps and flagged jumps); turns : (runs,) of paths from the same place.
     measured : (m,) rad, the measured path at every cycle, gaps filled in straight. run : (m,) rad, one path of the map
         from the measured start. lower, upper : (m,) rad, between which 95 % of such paths lie in each cycle.
     measured_histogram, histogram : of θ0 over all cycles. total_variation, wasserstein (rad) : between these two.
@@ -170,10 +165,8 @@ class MeasuredCycleMap:
 
     fitted : with scatter that may depend on the angle and wear in time (of degree 0 where it was not asked for, or the
         order of the cycles is unknown). quietest, loudest : (rad, rad) where the pairs within 10 degrees scatter least
-        and most about it, and their root mean square.
-    early, late : the map an eighth of the run from its ends; one and the same where nothing wears.
-    forecast : paths of the map beside the measured one, None where the order of the pushes is unknown, or where the
-        map's paths leave the orientations that were measured.
+        and most about it, and their root mean square. early, late : the map an eighth of the run from its ends.
+    forecast : None where the order of the pushes is unknown, or the map's paths leave the measured orientations.
     """
 
     pairs: Theta0Pairs
@@ -195,7 +188,7 @@ def measured_cycle_map(
     *,
     harmonics: int | None = None,
     wear: bool = True,
-    runs: int = DEFAULT_RUNS,
+    runs: int = _RUNS,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> MeasuredCycleMap:
@@ -228,7 +221,7 @@ def measured_cycle_map(
     told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
     size = np.sqrt(near[told] @ off**2 / crowd[told])
     quietest, loudest = ((float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size)))
-    early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (EARLY, LATE))
+    early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
 
 
@@ -253,7 +246,7 @@ def _map_state(
         return TurnPlace(float(theta[k]), float(turn[k]), float(turn[k] - error[k]), float(turn[k] + error[k]), cycles)
 
     frozen = map_of_turn(law)
-    orbits = {_nearest(orbit.points[0]): orbit for orbit in fixed_points(frozen)}
+    orbits = {round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)}
     sure: list[Orbit] = []
     undecided: list[TurnPlace] = []
     # The longest runs of neighbours that are open, the last place beside the first; all in one where all are.
@@ -266,14 +259,10 @@ def _map_state(
             sure += [orbits[k] for k in run if k in orbits]
         else:
             undecided.append(place(_least(np.abs(turn), np.array(run))))
-    passages = ((_nearest(one.theta), one.passage_cycles) for one in slow_passages(frozen))
+    passages = ((round(one.theta / TWO_PI * _GRID) % _GRID, one.passage_cycles) for one in slow_passages(frozen))
     slow = tuple(place(k, cycles) for k, cycles in passages if sign[k] != 0.0)
     slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
     return MapState(cycle, tuple(sorted(sure, key=lambda one: one.points[0])), slow, tuple(undecided), slowest)
-
-
-def _nearest(theta: float) -> int:
-    return round(theta / TWO_PI * _GRID) % _GRID
 
 
 def _least(values: Array, places: NDArray[np.int64]) -> int:
@@ -306,7 +295,7 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     if pairs.cycle is None or path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
         return None
     last = int(cycle[-1] - cycle[0])
-    begin = int(np.searchsorted(cycle, cycle[0] + WORN_IN * last))
+    begin = int(np.searchsorted(cycle, cycle[0] + _WORN_IN * last))
     counted = fitted.paths(np.full(runs, path[begin]), int(cycle[-1] - cycle[begin]), float(cycle[begin]), seed)
     whole = fitted.paths(np.full(runs, path[0]), last, float(cycle[0]), seed + 1)
     if np.mean(is_covered(pairs.theta, whole)) < _INSIDE:

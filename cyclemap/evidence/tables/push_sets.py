@@ -21,12 +21,11 @@ if TYPE_CHECKING:
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
-SURROUNDINGS = ("surface", "object", "acceleration", "speed")
-CONTACT = ("side", "fraction", "angle")
-_TEXT = ("surface", "object")
+SURROUNDINGS, CONTACT = ("surface", "object", "acceleration", "speed"), ("side", "fraction", "angle")
+_FACTS, _TEXT = (*SURROUNDINGS, *CONTACT), ("surface", "object")
 QUANTITIES = ("dtheta", "dx", "dy")
 # Two values have a spread; nobody should quote that of fewer than this many.
-FEWEST_FOR_SPREAD = 5
+_FEWEST_FOR_SPREAD = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +72,19 @@ def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None
     """
     table = selected_pushes(pushes.table, select or {})
     homes = [path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent) for path in table["path"]]
-    gathered = []
+    gathered: list[tuple[Path, dict[str, Any], pandas.DataFrame]] = []
     for home in dict.fromkeys(homes):
-        rows = table[[other == home for other in homes]]
-        parts = _parted(rows, (*SURROUNDINGS, *CONTACT))
-        repeated = any(len(part) >= FEWEST for part in parts)
-        gathered += [(home, part) for part in (parts if repeated else _parted(rows, SURROUNDINGS))]
-    names = _names([(Path(home), _shared_facts(part)) for home, part in gathered])
-    return tuple(_push_set(name, Path(home), part) for name, (home, part) in zip(names, gathered, strict=True))
+        rows, parts = table[[other == home for other in homes]], list[Any]()
+        for columns in ([*_FACTS], [*SURROUNDINGS]):
+            parts = [part for _, part in rows.groupby(columns, dropna=False, sort=False)]
+            if any(len(part) >= FEWEST for part in parts):
+                break
+        for part in parts:
+            shared = {name: part[name].iloc[0] for name in _FACTS if part[name].nunique(dropna=False) == 1}
+            known = {name: one for name, one in shared.items() if isinstance(one, str) or not math.isnan(one)}
+            gathered.append((Path(home), known, part))
+    names = _names([(home, facts) for home, facts, _ in gathered])
+    return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
 
 
 def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
@@ -90,8 +94,8 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     """
     kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
-        if column not in (*SURROUNDINGS, *CONTACT):
-            raise unknown_name("column", column, (*SURROUNDINGS, *CONTACT))
+        if column not in _FACTS:
+            raise unknown_name("column", column, _FACTS)
         cells = table[column]
         same = cells == value if column in _TEXT else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
         if not np.any(same):
@@ -103,22 +107,8 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     return table[kept]
 
 
-def _parted(rows: pandas.DataFrame, columns: tuple[str, ...]) -> list[pandas.DataFrame]:
-    """The rows by equal values, NaN equal to NaN, in the order in which they come."""
-    keys = [tuple(map(str, values)) for values in zip(*(rows[name] for name in columns), strict=True)]
-    places: dict[tuple[str, ...], list[int]] = {}
-    for place, key in enumerate(keys):
-        places.setdefault(key, []).append(place)
-    return [rows.iloc[found] for found in places.values()]
-
-
-def _shared_facts(rows: pandas.DataFrame) -> dict[str, Any]:
-    first = {name: rows[name].iloc[0] for name in (*SURROUNDINGS, *CONTACT) if rows[name].nunique(dropna=False) == 1}
-    return {name: value for name, value in first.items() if isinstance(value, str) or not math.isnan(value)}
-
-
-def _push_set(name: str, home: Path, rows: pandas.DataFrame) -> PushSet:
-    contacts = len(_parted(rows, CONTACT))
+def _push_set(name: str, home: Path, facts: dict[str, Any], rows: pandas.DataFrame) -> PushSet:
+    contacts = rows.groupby([*CONTACT], dropna=False).ngroups
     repetition = rows["repetition"].to_numpy()
     ordered = contacts == 1 and np.isfinite(repetition).all() and np.unique(repetition).size == repetition.size
     if ordered:
@@ -138,7 +128,7 @@ def _push_set(name: str, home: Path, rows: pandas.DataFrame) -> PushSet:
         turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
         path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
         pairs = Theta0Pairs(path[known], path[known] + (theta_next - theta)[known], path, {}, number[known], number)
-    return PushSet(name, home, _shared_facts(rows), contacts, theta, **motion, pairs=pairs)
+    return PushSet(name, home, facts, contacts, theta, **motion, pairs=pairs)
 
 
 def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
@@ -146,8 +136,7 @@ def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
 
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
-    units = {"acceleration": ("a", 1e3), "speed": ("v", 1e3), "side": ("i", 1.0), "fraction": ("s", 1.0)}
-    units["angle"] = ("t", 1.0)
+    units = {"acceleration": ("a", 1e3), "speed": ("v", 1e3), "side": ("i", 1), "fraction": ("s", 1), "angle": ("t", 1)}
     longer = []
     for _, facts in sets:
         told = {letter: facts[key] * unit for key, (letter, unit) in units.items() if key in facts}
@@ -189,8 +178,8 @@ def push_statistics(pushes: PushSet) -> PushStatistics:
     """The set's row of the table; with fewer than five pushes of known motion it has a problem and no numbers."""
     known = np.isfinite(pushes.dtheta)
     count = int(np.sum(known))
-    if count < FEWEST_FOR_SPREAD:
-        reason = f"too few pushes with a known end for a spread: {count} of {FEWEST_FOR_SPREAD}"
+    if count < _FEWEST_FOR_SPREAD:
+        reason = f"too few pushes with a known end for a spread: {count} of {_FEWEST_FOR_SPREAD}"
         return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
     dtheta, dx, dy = (
         MotionStatistics(count, float(np.mean(one[known])), float(np.std(one[known], ddof=1)))

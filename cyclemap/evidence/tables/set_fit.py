@@ -19,11 +19,9 @@ from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measur
 from cyclemap.evidence.tables.push_sets import FEWEST, QUANTITIES, PushSet, PushStatistics, push_statistics
 
 # Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told from chance.
-FEWEST_FOR_SCATTER = 100
-DEFAULT_BINS = 40
-DEFAULT_RUNS = 200
+_FEWEST_FOR_SCATTER = 100
 # Points of the distribution functions in a bin, for their distance.
-FINER = 4
+_FINER = 4
 _MARGIN = 3.0
 
 
@@ -103,7 +101,7 @@ def motion_law(
     if values.size < FEWEST:
         reason = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
         return MotionLaw(quantity, angles, values, None, float("nan"), reason)
-    noise = None if values.size >= FEWEST_FOR_SCATTER else 0
+    noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
     try:
         law = fit_periodic_law(angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed)
     except (InvalidInput, ConvergenceError) as error:
@@ -120,14 +118,13 @@ def motion_law(
 class TurnHistogram:
     """Measured and predicted counts of the same number of pushes, in equal bins, in the unit of the values.
 
-    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is drawn from the measured ones
-        and projected by the law with its scatter; what falls outside the edges counts in the outer bins.
+    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is one of the measured ones and
+        projected by the law with its scatter; what falls outside the edges counts in the outer bins.
     law_alone : (k,) the same without scatter, as Ma & Rodriguez (2018) drew it.
     total_variation, law_alone_total_variation : ½ Σ |measured - predicted|/n in [0, 1].
     distance, law_alone_distance : Wasserstein distance of order 1 of the values, ∫ |F - G|, in their unit.
-    chance : the total variation of the same count of pushes simulated from the law and refitted: its null quantiles,
-        and the p-value of the measured one. Residuals are taken independent and normal: where they are correlated in
-        time, as wear makes them, p is too small.
+    chance : of the total variation of as many pushes simulated from the law and refitted. Residuals are taken
+        independent and normal: where they are correlated in time, as wear makes them, p is too small.
     """
 
     edges: Array
@@ -156,15 +153,14 @@ def turn_histogram(
     value: ArrayLike,
     law: PeriodicLaw,
     *,
-    bins: int = DEFAULT_BINS,
-    runs: int = DEFAULT_RUNS,
+    bins: int = 40,
+    runs: int = 200,
     seed: int = 0,
 ) -> TurnHistogram:
     """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these orientations.
 
-    Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations: the mean of endlessly many
-    draws of θ0 from the measured ones, computed and not drawn. A law fitted to the same values knows them: ``chance``
-    refits each simulated set, and so allows for that. Time: about 2 ms a run for 2000 pushes.
+    Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations. A law fitted to the same values
+    knows them: ``chance`` refits each simulated set, and so allows for that. Time: about 2 ms a run for 2000 pushes.
 
     Raises InvalidInput for lists of different lengths, fewer values than coefficients, and values all alike.
 
@@ -184,12 +180,12 @@ def turn_histogram(
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
     measured = np.histogram(values, edges)[0]
-    grid = np.linspace(edges[0], edges[-1], FINER * bins + 1)
+    grid = np.linspace(edges[0], edges[-1], _FINER * bins + 1)
     spread, alone, seen = _mixture(grid, centre, noise), _empirical(grid, centre), _empirical(grid, values)
-    in_bins = [cumulative[::FINER] for cumulative in (seen, spread, alone)]
+    in_bins = [cumulative[::_FINER] for cumulative in (seen, spread, alone)]
     observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
     # Total variations of sets simulated from the law, each against its own refitted law of the same order.
-    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::FINER]
+    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::_FINER]
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     columns, free = fourier_columns(angles, law.harmonics), angles.size - law.coefficients.size
     solve = weighted_least_squares(columns, centre, noise**-2)[1] @ (columns / noise[:, np.newaxis] ** 2).T

@@ -21,8 +21,11 @@ from cyclemap.evidence.orientations.circular_distance import (
 TURN = 2 * np.pi
 
 
-def uniform(theta):
+def uniform_density(theta):
     return np.full_like(theta, 1.0 / TURN)
+
+
+uniform = CircularLaw(uniform_density)
 
 
 def box(theta):
@@ -65,7 +68,7 @@ def test_bins_share_out_the_whole_law() -> None:
     ("density", "match"),
     [
         (lambda theta: np.full_like(theta, 1.0 / 360.0), "integrates to 0.0174533 over the circle, not 1"),
-        (lambda theta: uniform(theta) * 1.02, "integrates to 1.02"),
+        (lambda theta: uniform_density(theta) * 1.02, "integrates to 1.02"),
         (lambda theta: (1.0 + 1.5 * np.cos(theta)) / TURN, "must not be negative"),
         (lambda theta: np.where(theta > 3.0, np.nan, 0.1), "must be finite"),
         (lambda theta: np.array(1.0 / TURN), "must be vectorised"),
@@ -74,11 +77,11 @@ def test_bins_share_out_the_whole_law() -> None:
 )
 def test_what_is_no_density_is_refused(density, match) -> None:
     refused(CircularLaw, density, told=match)
-    refused(CircularLaw, uniform, cells=4, told="cells must be at least 8")
+    refused(CircularLaw, uniform_density, cells=4, told="cells must be at least 8")
 
 
-def cardioid(tilt: float, centre: float = 0.0):
-    return lambda theta: (1.0 + tilt * np.cos(theta - centre)) / TURN
+def cardioid(tilt: float, centre: float = 0.0, cells: int = 2048) -> CircularLaw:
+    return CircularLaw(lambda theta: (1.0 + tilt * np.cos(theta - centre)) / TURN, cells)
 
 
 def apart(first, second):
@@ -89,6 +92,10 @@ def apart(first, second):
 def samples(count: int, seed: int, size: int = 12):
     random = np.random.default_rng(seed)
     return [random.normal(random.uniform(0, TURN), random.uniform(0.1, 3.0), size) for _ in range(count)]
+
+
+def evenly(count: int, size: int, seed: int):
+    return np.random.default_rng(seed).uniform(0.0, TURN, (count, size))
 
 
 def test_between_equal_samples_it_is_the_cheapest_assignment() -> None:
@@ -104,29 +111,34 @@ def test_a_point_is_as_far_from_a_law_as_the_mean_distance_to_it() -> None:
         truth = np.pi / 2 - 2.0 / np.pi * 0.8 * np.cos(0.4 - centre)
         for cells in (64, 2048):
             bound = (TURN / cells) ** 2 / 8 * (4 * 0.8 / TURN)
-            found = circular_wasserstein([0.4], CircularLaw(cardioid(0.8, centre), cells))
+            found = circular_wasserstein([0.4], cardioid(0.8, centre, cells))
             assert found == pytest.approx(truth, abs=bound)
 
 
 def test_against_a_law_it_is_what_a_fine_sample_of_the_law_gives() -> None:
-    law, grid = CircularLaw(cardioid(0.9, 2.0)), np.linspace(0.0, TURN * (1 - 1e-12), 200_001)
+    law, grid = cardioid(0.9, 2.0), np.linspace(0.0, TURN * (1 - 1e-12), 200_001)
     fine = np.interp((np.arange(20_000) + 0.5) / 20_000, law.cumulative(grid), grid)
     for sample in samples(5, 3, 40):
         assert circular_wasserstein(sample, law) == pytest.approx(float(circular_wasserstein(sample, fine)), abs=1e-3)
 
 
-@pytest.mark.parametrize("turn", [0.1, 1.7, np.pi, 5.0])
-def test_rotating_both_changes_nothing(turn) -> None:
-    first, second = samples(2, 5, 30)
-    turned = circular_wasserstein(first + turn, second + turn)
-    assert turned == pytest.approx(float(circular_wasserstein(first, second)), abs=1e-13)
-    against = circular_wasserstein(first + turn, cardioid(0.9, 1.0 + turn))
-    assert against == pytest.approx(float(circular_wasserstein(first, cardioid(0.9, 1.0))), abs=1e-6)
+MEASURES = (circular_wasserstein, total_variation, kuiper_statistic, watson_statistic)
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize("turn", TURN / 36 * np.array([5, 18, 33]))
+def test_rotating_both_by_whole_bins_changes_nothing(measure, turn) -> None:
+    sample = evenly(1, 30, 3)[0] ** 1.3
+    plain, turned = (measure(sample + by, cardioid(0.8, 1.0 + by)) for by in (0.0, turn))
+    assert turned == pytest.approx(float(plain), abs=1e-6)
+    if measure in MEASURES[:2]:
+        plain, turned = (measure(sample + by, evenly(1, 20, 5)[0] + by) for by in (0.0, turn))
+        assert turned == pytest.approx(float(plain), abs=1e-12)
 
 
 def test_whole_turns_and_reflection_change_nothing() -> None:
     assert orientations("the sample", [-1e-20]).tolist() == [0.0]
-    law = CircularLaw(cardioid(1.0))
+    law = cardioid(1.0)
     assert np.allclose(law.cumulative([1.0, 1.0 + 3 * TURN, 1.0 - TURN]), law.cumulative(1.0), atol=1e-14)
     first, second = samples(2, 6, 30)
     plain = float(circular_wasserstein(first, second))
@@ -134,12 +146,12 @@ def test_whole_turns_and_reflection_change_nothing() -> None:
     assert circular_wasserstein(-first, -second) == pytest.approx(plain, abs=1e-13)
 
 
-def test_rows_are_measured_each_for_itself() -> None:
-    rows = np.array(samples(6, 7, 20)).reshape(2, 3, 20)
-    together = circular_wasserstein(rows, cardioid(0.5))
+@pytest.mark.parametrize("measure", MEASURES)
+def test_rows_are_measured_each_for_itself(measure) -> None:
+    rows = evenly(6, 20, 6)
+    together = measure(rows.reshape(2, 3, 20), cardioid(0.5))
     assert together.shape == (2, 3)
-    assert together[1, 2] == pytest.approx(float(circular_wasserstein(rows[1, 2], cardioid(0.5))), abs=1e-14)
-    assert total_variation(rows, uniform).shape == (2, 3)
+    assert together[1, 2] == pytest.approx(float(measure(rows[5], cardioid(0.5))), abs=1e-14)
 
 
 def test_total_variation_of_hand_made_samples() -> None:
@@ -156,24 +168,16 @@ def test_sampling_raises_total_variation_as_stated() -> None:
     assert found.mean() == pytest.approx(stated, abs=4 * found.std() / 20 + 0.02 * stated)
 
 
-def test_turning_both_by_whole_bins_leaves_total_variation() -> None:
-    sample = samples(1, 10, 200)[0]
-    plain = float(total_variation(sample, cardioid(0.7, 1.0)))
-    turned = total_variation(sample + 5 * TURN / 36, cardioid(0.7, 1.0 + 5 * TURN / 36))
-    assert turned == pytest.approx(plain, abs=1e-9)
-
-
 @pytest.mark.parametrize("measure", [circular_wasserstein, total_variation])
 @pytest.mark.parametrize(
     ("sample", "law", "match"),
     [
         ([], uniform, "at least one orientation"),
         ([1.0, np.nan], uniform, "entry 1 is nan"),
-        ([1.0], [], "the second sample has shape"),
+        ([1.0], [], "second sample has shape"),
         ([1.0], [[1.0, 2.0]], "must have 1 axes"),
         ([[1.0], [2.0]], [1.0], "must have 1 axes"),
         ([1.0], [np.inf], "must be finite"),
-        ([1.0], lambda theta: uniform(theta) / 2, "integrates to 0.5"),
         (["north"], uniform, "numbers only"),
     ],
 )
@@ -188,10 +192,6 @@ def test_bins_must_be_a_sensible_number(bins) -> None:
 
 
 STATISTICS = (kuiper_statistic, watson_statistic)
-
-
-def evenly(count: int, size: int, seed: int):
-    return np.random.default_rng(seed).uniform(0.0, TURN, (count, size))
 
 
 def test_equally_spaced_points_give_the_least_values_and_points_at_one_place_the_greatest() -> None:
@@ -219,24 +219,11 @@ def test_kuiper_is_the_arc_that_differs_most() -> None:
 
 
 @pytest.mark.parametrize("statistic", STATISTICS)
-@pytest.mark.parametrize("turn", [0.1, 2.0, np.pi, 5.5])
-def test_rotating_the_circle_or_its_origin_changes_nothing(statistic, turn) -> None:
-    sample = evenly(1, 30, 3)[0] ** 1.3
-    plain = float(statistic(sample, cardioid(0.8, 1.0)))
-    assert statistic(sample + turn, cardioid(0.8, 1.0 + turn)) == pytest.approx(plain, abs=1e-9)
-
-
-@pytest.mark.parametrize("statistic", STATISTICS)
 def test_a_change_of_variable_changes_nothing(statistic) -> None:
     """Both depend on G(θ) alone."""
-    law, sample = CircularLaw(cardioid(0.9, 1.0)), evenly(1, 40, 4)[0]
+    law, sample = cardioid(0.9, 1.0), evenly(1, 40, 4)[0]
     straight = statistic(TURN * law.cumulative(sample), uniform)
     assert statistic(sample, law) == pytest.approx(float(straight), abs=1e-12)
-    # Rows are measured each for itself.
-    rows = evenly(6, 20, 6)
-    together = statistic(rows.reshape(2, 3, 20), uniform)
-    assert together.shape == (2, 3)
-    assert together[1, 0] == pytest.approx(float(statistic(rows[3], uniform)), abs=1e-15)
 
 
 def test_it_counts_the_observed_value_and_those_equal_but_for_rounding_among_the_simulated() -> None:
@@ -268,7 +255,6 @@ def test_its_standard_error_is_that_of_repeated_simulation() -> None:
     [
         *((lambda one=one: one([], uniform), "at least one orientation") for one in STATISTICS),
         *((lambda one=one: one([np.nan], uniform), "entry 0 is nan") for one in STATISTICS),
-        *((lambda one=one: one([1.0], lambda theta: 2 * uniform(theta)), "integrates to") for one in STATISTICS),
         (lambda: monte_carlo_p_value(1.0, []), "no simulated values"),
         (lambda: monte_carlo_p_value(np.nan, [1.0]), "observed must be a finite number"),
         (lambda: monte_carlo_p_value(1.0, [1.0, np.inf]), "simulated must be finite"),

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.orientations.circular_distance import CircularLaw
 from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircase, transfer_operator
@@ -117,5 +117,4 @@ def test_the_refit_is_called_once_a_collection_and_its_ensemble_decides() -> Non
     ],
 )
 def test_bad_input_of_a_collection_is_refused(theta, options, match) -> None:
-    with pytest.raises(InvalidInput, match=match):
-        collection_p_values(theta, CollectionModel(EARLY, KICKS), **options)
+    refused(collection_p_values, theta, CollectionModel(EARLY, KICKS), **options, told=match)

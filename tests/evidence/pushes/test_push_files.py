@@ -239,13 +239,9 @@ def test_what_is_written_is_read_back_to_the_last_bit(tmp_path, name, record, ta
         assert np.array_equal(getattr(read, table), getattr(record, table))
         assert not getattr(read, table).flags.writeable
     assert [file.name for file in path.parent.iterdir()] == [path.name]
-
-
-def test_equal_records_make_equal_files(tmp_path) -> None:
-    """A file holds no date: runs can be compared byte by byte."""
-    for name in ("a.h5", "b.h5"):
-        write_push_file(tmp_path / name, PUSH)
-    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+    # No file holds a date: runs can be compared byte by byte.
+    write_push_file(tmp_path / f"again{suffix}", record)
+    assert (tmp_path / f"again{suffix}").read_bytes() == path.read_bytes()
 
 
 def test_a_file_is_replaced_and_as_readable_as_any_other(tmp_path) -> None:
@@ -253,7 +249,7 @@ def test_a_file_is_replaced_and_as_readable_as_any_other(tmp_path) -> None:
     path.write_text("old")
     other.write_text("")
     write_push_file(path, PUSH)
-    assert read_push_file(path).samples == PUSH.samples
+    assert np.array_equal(read_push_file(path).object_pose, PUSH.object_pose)
     assert path.stat().st_mode == other.stat().st_mode
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, turned, write
+from made_pushes import PUSH_NAME, made_push, turned, write
 from refusals import refused
 
 from cyclemap.errors import DataFileError
@@ -160,22 +160,6 @@ def test_a_file_of_unknown_name_or_object_has_all_but_what_that_tells(tmp_path) 
     assert row[["surface", "object", "speed", "side", "angle", "repetition", "force_ratio"]].isna().all()
     row = load_pushes(write(tmp_path / f"{PUSH_NAME.replace('rect1', 'butter')}.h5", made_push())).table.iloc[0]
     assert row.object == "butter" and row.dtheta == pytest.approx(1.2) and np.isnan(row.force_ratio)
-
-
-def test_scans_go_into_a_table_of_their_own(tmp_path) -> None:
-    for degrees in (90, 30):
-        for number in (1, 0):
-            name = SCAN_NAME.replace("deg=30", f"deg={degrees}").replace("rep=000", f"rep={number:03d}")
-            write(tmp_path / f"{name}.h5", made_scan(np.deg2rad(degrees + 180.0), 2.0, 0.3))
-    repeated(tmp_path, {0: 0.1})
-    loaded = load_pushes(tmp_path)
-    assert len(loaded.table) == 1
-    scans = loaded.scans
-    assert np.rad2deg(scans["direction"]).round(9).tolist() == [210.0, 210.0, 270.0, 270.0]
-    assert scans["repetition"].tolist() == [0, 1, 0, 1]
-    assert scans[["force_along", "force_across", "ratio"]].to_numpy() == pytest.approx(
-        np.tile([2.0, 0.3, 0.15], (4, 1))
-    )
 
 
 def test_bad_files_are_named_with_their_reasons_and_the_rest_is_kept(tmp_path) -> None:

@@ -5,11 +5,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from made_replays import START, clock, model_of, record_of, world
+from made_replays import FRICTION, START, clock, model_of, record_of, world
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.replay.replay_push import BEND, replay_push, tip_path
-from cyclemap.mechanics import Pose, WorldPush
+from cyclemap.evidence.pushes.contact_forces import interpolated
+from cyclemap.evidence.replay.replay_push import BEND, push_along, replay_push, tip_path
+from cyclemap.evidence.replay.replay_table import dataset_sliders
+from cyclemap.mechanics import PatchFootprint, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
+from cyclemap.mechanics.outline import Ellipse, Polygon
 
 
 def table(place, time=None):
@@ -18,9 +21,9 @@ def table(place, time=None):
     return np.column_stack([clock, place, np.zeros(len(place))])
 
 
-def from_chain(path, places):
+def from_chain(corners, places):
     """Distance of each place from the chain of corners."""
-    first, edge = path.corners[:-1], np.diff(path.corners, axis=0)
+    first, edge = corners[:-1], np.diff(corners, axis=0)
     offset = places[:, None] - first
     share = np.clip((offset * edge).sum(-1) / (edge * edge).sum(-1), 0.0, 1.0)
     return np.hypot(*np.moveaxis(offset - share[..., None] * edge, -1, 0)).min(axis=1)
@@ -31,40 +34,38 @@ def test_a_straight_stroke_with_noise_of_a_tenth_of_a_millimetre_is_one_stroke(s
     random = np.random.default_rng(seed)
     along = np.linspace(0.0, 0.05, 300)[:, None] * np.array([np.cos(seed), np.sin(seed)])
     noisy = along + random.uniform(-0.7e-4, 0.7e-4, (300, 2))
-    path = tip_path(table(noisy))
-    assert len(path.corners) == 2
-    assert 2e-5 < path.straightness < 2e-4
-    assert np.all(np.diff(path.travel) >= 0.0)
-    assert path.travel[-1] == pytest.approx(0.05, abs=2e-4)
+    corners, travel, straightness = tip_path(table(noisy))
+    assert len(corners) == 2
+    assert 2e-5 < straightness < 2e-4
+    assert np.all(np.diff(travel) >= 0.0)
+    assert travel[-1] == pytest.approx(0.05, abs=2e-4)
 
 
 def test_every_place_of_a_curved_path_is_within_the_bend_of_its_strokes() -> None:
     angle = np.linspace(0.0, 1.5 * np.pi, 700)
     places = 0.04 * np.column_stack([np.cos(angle), np.sin(angle)])
-    path = tip_path(table(places))
-    assert from_chain(path, places).max() <= BEND
+    corners, travel, straightness = tip_path(table(places))
+    assert from_chain(corners, places).max() <= BEND
     # A chord over an arc of radius r stays within s where its half-angle h has r (1 - cos h) = s.
     fewest = 1.5 * np.pi / (2.0 * np.arccos(1.0 - BEND / 0.04))
-    assert fewest <= len(path.corners) - 1 <= 2.1 * fewest
-    assert path.travel[-1] == pytest.approx(0.04 * 1.5 * np.pi, rel=0.01)
-    assert path.straightness > 0.05
+    assert fewest <= len(corners) - 1 <= 2.1 * fewest
+    assert travel[-1] == pytest.approx(0.04 * 1.5 * np.pi, rel=0.01)
+    assert straightness > 0.05
 
 
 def test_travel_and_place_are_inverse_to_each_other_on_the_corners() -> None:
     corners = np.array([[0.0, 0.0], [0.03, 0.0], [0.03, 0.04], [0.03, 0.01]])
     places = np.vstack([np.linspace(a, b, 50) for a, b in pairwise(corners)])
-    path = tip_path(table(places))
-    assert path.corners == pytest.approx(corners)
-    assert path.travel[-1] == pytest.approx(0.03 + 0.04 + 0.03)
-    assert path.place_at(path.travel) == pytest.approx(places, abs=1e-12)
+    found, travel, _ = tip_path(table(places))
+    assert found == pytest.approx(corners)
+    assert interpolated(travel, np.array([0.0, 0.03, 0.07, 0.1]), found) == pytest.approx(places, abs=1e-12)
 
 
 def test_a_tip_that_trembles_backwards_never_travels_back_and_one_that_stays_is_refused() -> None:
     place = np.column_stack([[0.0, 0.01, 0.0099, 0.02, 0.0198, 0.03], np.zeros(6)])
-    assert tip_path(table(place)).travel == pytest.approx([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
+    assert tip_path(table(place))[1] == pytest.approx([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
     for far, told in ((0.0005, r"0\.5"), (0.0, "0")):
-        with pytest.raises(InvalidInput, match=f"the tip moves {told} mm: it pushes nothing"):
-            tip_path(table([[0.0, 0.0], [far, 0.0]]))
+        refused(tip_path, table([[0.0, 0.0], [far, 0.0]]), told=f"the tip moves {told} mm: it pushes nothing")
 
 
 MILLIMETRE = 1e-3
@@ -99,11 +100,12 @@ def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(na
     model = model_of(name)
     record, push = simulated(model, place, direction)
     replay = replay_push(record, model)
-    assert replay.measured_motion[0] > 5 * MILLIMETRE
+    told = replay.summary()
+    assert told["measured_motion"] > 5 * MILLIMETRE
     assert replay.error.max() < 0.01 * MILLIMETRE
     assert np.abs(replay.turn_error).max() < math.radians(0.01)
-    assert max(replay.rms) < 1e-5
-    assert replay.measured_motion[1] == pytest.approx(push.turn, abs=1e-5)
+    assert max(told["rms_error"], told["rms_turn_error"]) < 1e-5
+    assert told["measured_turn"] == pytest.approx(push.turn, abs=1e-5)
     assert replay.strokes == 1
     assert replay.straightness < 1e-9
     assert np.all(replay.shift == 0.0)
@@ -146,8 +148,8 @@ def test_an_overlap_of_more_than_5_mm_is_refused_with_its_size() -> None:
     record, _ = simulated(model)
     tip = record.tip_pose.copy()
     tip[:, 1:3] += world(START, (0.0, 0.040)) - tip[0, 1:3]
-    with pytest.raises(InvalidInput, match=r"starts 9\.75 mm inside the object"):
-        replay_push(type(record)(record.object_pose, tip, record.ft_wrench), model)
+    inside = type(record)(record.object_pose, tip, record.ft_wrench)
+    refused(replay_push, inside, model, told=r"starts 9\.75 mm inside the object")
 
 
 @pytest.mark.parametrize("name", ["rect1", "ellip2"])
@@ -199,6 +201,53 @@ def test_a_rod_that_passes_by_predicts_no_motion_and_says_so() -> None:
     replay = replay_push(record_of(time, moved, tip), model)
     assert not replay.touched
     assert not replay.left
-    assert replay.predicted_motion == (0.0, 0.0)
+    assert replay.summary()["predicted_motion"] == replay.summary()["predicted_turn"] == 0.0
     assert replay.error[-1] == pytest.approx(0.01)
     assert not replay.touch_agrees
+
+
+SEMI_X, SEMI_Y = 0.045, 0.060
+BUTTER = dataset_sliders()["butter"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.0, 0.25, 1.0])
+@pytest.mark.parametrize("offset", [-0.02, 0.004, 0.03])
+def test_an_ellipse_cut_into_192_sides_moves_as_the_ellipse_does(friction, offset) -> None:
+    """Two routes: a chain of contacts with sides and corners, and the exact contact of the ellipse."""
+    whole, rod = Ellipse(SEMI_X, SEMI_Y), Pusher(friction=friction)
+    exact, cut = (
+        QuasiStaticModel(Slider(outline), FRICTION, rod, PatchFootprint(whole), accuracy=1e-6)
+        for outline in (whole, Polygon(whole.points(192)[:-1]))
+    )
+    corners = np.array([[-0.06, offset], [-0.03, offset], [-0.01, offset + 0.004]])
+    wanted, found = (push_along(model, Pose(), corners) for model in (exact, cut))
+    travel = np.linspace(0.0, wanted[0][-1], 41)
+    off = interpolated(travel, *found[:2]) - interpolated(travel, *wanted[:2])
+    assert np.hypot(*off[:, :2].T).max() < 0.06e-3
+    assert np.abs(off[:, 2]).max() < math.radians(0.2)
+    assert np.ptp(wanted[1][:, 0]) > 0.002
+    assert found[2:] == wanted[2:]
+
+
+def test_the_butterfly_is_symmetric_as_large_as_the_datasets_mesh_and_has_its_plates_inertia() -> None:
+    """Two routes to the inertia: the number given, and the second moment of area by triangles about the centre."""
+    outline, p = BUTTER.outline, BUTTER.outline.array
+    points = {(round(x, 9), round(y, 9)) for x, y in outline.vertices}
+    assert {(round(-x, 9), y) for x, y in points} == points == {(x, round(-y, 9)) for x, y in points}
+    assert np.abs(p).max(axis=0) == pytest.approx([0.0477, 0.0786], abs=1e-4)
+    assert outline.centroid == pytest.approx((0.0, 0.0), abs=1e-12)
+    q = np.roll(p, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    moment = float((cross * ((p * p) + (p * q) + (q * q)).sum(1)).sum()) / 12.0
+    assert BUTTER.mass / outline.area == pytest.approx(0.8374 / 0.09**2)
+    assert BUTTER.inertia == pytest.approx(moment * BUTTER.mass / outline.area, rel=1e-3)
+
+
+def test_mirrored_pushes_of_the_butterfly_are_mirror_images() -> None:
+    model = model_of(BUTTER, accuracy=1e-5)
+    corners = np.array([[-0.06, 0.02], [-0.02, 0.012]])
+    up = push_along(model, Pose(), corners)[1][-1]
+    down = push_along(model, Pose(), corners * (1.0, -1.0))[1][-1]
+    assert up * (1.0, -1.0, -1.0) == pytest.approx(down, abs=2e-6)
+    assert abs(up[2]) > 0.05

@@ -6,15 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import cyclemap as cm
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
+from cyclemap.errors import CycleMapError, UnsupportedContact
 from cyclemap.evidence import simulated_collection as module
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import FILE_NAME, TRUTH_FILE, CollectionPlan, simulate_collection
-from cyclemap.mechanics import EllipseFriction, Material, Pusher, SidePush
+from cyclemap.mechanics import DragBack, EllipseFriction, Material, Pusher, SidePush, load_material
 
 LOOP = CollectionLoop.mit("plywood", accuracy=1e-6)
 WORN = Material("worn", EllipseFriction(0.2, 0.15, m0=0.02, n0=-0.01, phi=0.4))
@@ -135,9 +136,6 @@ def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
     assert CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
 
 
-# -- broken off and gone on with --------------------------------------------------------------------------------
-
-
 class BrokenOffError(Exception):
     """What stops a run in these tests."""
 
@@ -186,9 +184,6 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
         assert contents(tmp_path) == undisturbed
 
 
-# -- what is refused --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -212,21 +207,18 @@ def test_other_arguments_in_the_same_folder_are_refused_by_name(tmp_path, change
     plan = CollectionPlan(LOOP, CYCLES, noise=NOISY, wear_to=WORN, seed=3)
     module.CollectionFolder(folder, plan)
     before = contents(folder)
-    with pytest.raises(InvalidInput, match=message):
-        module.CollectionFolder(folder, replace(plan, **changes))
+    refused(module.CollectionFolder, folder, replace(plan, **changes), told=message)
     assert contents(folder) == before and list(before) == [FILE_NAME]
     module.CollectionFolder(folder, plan)
     record = folder / FILE_NAME
     record.write_text(record.read_text().replace('version = "', 'version = "0.0.0-'))
-    with pytest.raises(InvalidInput, match=r"version is 0\.0\.0-"):
-        module.CollectionFolder(folder, plan)
+    refused(module.CollectionFolder, folder, plan, told=r"version is 0\.0\.0-")
 
 
 @pytest.mark.parametrize("name", ["thesis.txt", "film.part", "motion_surface=abs_rep=0000.h5"])
 def test_a_folder_with_anything_else_in_it_is_left_alone(tmp_path, name) -> None:
     (tmp_path / name).write_text("years of work")
-    with pytest.raises(InvalidInput, match="holds other files"):
-        simulate(tmp_path)
+    refused(simulate, tmp_path, told="holds other files")
     assert contents(tmp_path) == {name: b"years of work"}
 
 
@@ -241,8 +233,7 @@ def test_a_folder_with_anything_else_in_it_is_left_alone(tmp_path, name) -> None
     ],
 )
 def test_bad_arguments_are_refused_before_anything_is_written(tmp_path, changes, message) -> None:
-    with pytest.raises(InvalidInput, match=message):
-        simulate(tmp_path / "made", **changes)
+    refused(simulate, tmp_path / "made", told=message, **changes)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -251,8 +242,8 @@ def test_a_push_that_the_mechanics_cannot_do_is_told_with_its_cycle(tmp_path, mo
         raise UnsupportedContact("the rod touches two sides")
 
     monkeypatch.setattr(CollectionLoop, "strokes", refuse)
-    with pytest.raises(UnsupportedContact, match=r"cycle 0, from θ0 = 57\.296 degrees: the rod touches two sides"):
-        simulate(tmp_path, start=1.0)
+    told = r"cycle 0, from θ0 = 57\.296 degrees: the rod touches two sides"
+    refused(simulate, tmp_path, start=1.0, told=told, kind=UnsupportedContact)
 
 
 def emptied(path: Path) -> None:
@@ -285,13 +276,71 @@ def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, dama
 
 def test_a_second_run_in_the_same_folder_is_refused(tmp_path) -> None:
     """The first holds the folder while it works, and leaves nothing there that says so."""
-    folder, refused = tmp_path / "made", []
+    folder, tried = tmp_path / "made", []
 
     def meanwhile(fraction: float) -> None:
-        with pytest.raises(CycleMapError, match="written by another process") as refusal:
-            simulate(folder)
-        refused.append(refusal.value)
+        refused(simulate, folder, told="written by another process", kind=CycleMapError)
+        tried.append(fraction)
 
     simulate(folder, progress=meanwhile)
-    assert len(refused) == CYCLES
+    assert len(tried) == CYCLES
     assert simulate(folder).resumed == CYCLES
+
+
+BRIEF = CollectionLoop.mit(accuracy=1e-6, push=SidePush(distance=0.01))
+LOOPS = (
+    BRIEF,
+    replace(BRIEF, push=SidePush(2, 0.4, 0.1, 0.02)),
+    replace(BRIEF, push=SidePush(1, distance=0.015), reset=DragBack(((0.02, 0.0),))),
+)
+TURNS = (0.0, 0.5, -1.0)
+
+
+def test_each_cycle_is_that_of_its_loop_with_the_grippers_turn_after_it(tmp_path) -> None:
+    made = simulate_collection(
+        BRIEF, tmp_path / "made", 3, noise=SILENT, suffix=".json", cycle_loops=LOOPS, gripper_turns=TURNS
+    )
+    theta = [0.0]
+    for loop, turn in zip(LOOPS, TURNS, strict=True):
+        theta.append(loop.cycle(theta[-1]).theta_next + turn)
+    told = [float(line.split()[1]) for line in (tmp_path / "made" / "true_theta0.txt").read_text().splitlines()]
+    # The recorded run takes shorter steps than the cycles here.
+    assert told == pytest.approx(theta, abs=1e-5)
+    assert made.theta_last == told[2]
+    table = load_pushes(made.folder).table.sort_values("repetition")
+    assert table["side"].tolist() == [0.0, 2.0, 1.0]
+    turns = [loop.cycle(start).push_turn for loop, start in zip(LOOPS, theta, strict=False)]
+    assert table["dtheta"].to_numpy() == pytest.approx(turns, abs=1e-4)
+
+
+def test_the_surface_wears_under_changing_pushes_too(tmp_path) -> None:
+    worn = {"wear_to": load_material("abs"), "noise": SILENT, "suffix": ".json"}
+    made = simulate_collection(BRIEF, tmp_path / "made", 3, cycle_loops=LOOPS, **worn)
+    fresh = simulate_collection(BRIEF, tmp_path / "fresh", 3, cycle_loops=LOOPS, noise=SILENT, suffix=".json")
+    assert abs(made.theta_last - fresh.theta_last) > 1e-4
+
+
+def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
+    folder, given = tmp_path / "made", {"noise": SILENT, "suffix": ".json"}
+    simulate_collection(BRIEF, folder, 3, cycle_loops=LOOPS, **given)
+    again = simulate_collection(BRIEF, folder, 3, cycle_loops=LOOPS, **given)
+    assert (again.written, again.resumed) == (0, 3)
+    for other in ({"cycle_loops": LOOPS[::-1]}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}, {}):
+        refused(simulate_collection, BRIEF, folder, 3, told="asked for otherwise: cycle_by_cycle", **other, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"cycle_loops": LOOPS[:2]}, "cycle_loops has 2 entries for 3 cycles"),
+        ({"gripper_turns": (0.1,)}, "gripper_turns has 1 entries for 3 cycles"),
+        ({"gripper_turns": (0.1, math.nan, 0.2)}, "gripper turn must be a finite number"),
+        (
+            {"cycle_loops": (BRIEF, replace(BRIEF, pusher=Pusher(0.01)), BRIEF)},
+            "loop of cycle 1 differs in more than push",
+        ),
+    ],
+)
+def test_cycles_that_do_not_fit_are_refused(tmp_path, given, said) -> None:
+    refused(simulate_collection, BRIEF, tmp_path / "made", 3, told=said, **given)
+    assert not (tmp_path / "made").exists()

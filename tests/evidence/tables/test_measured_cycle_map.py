@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made_sets import TURN, worn_pairs, worn_turn
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import fit_map
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, is_covered, read_theta0_pairs, turn_bins
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, full_turns, measured_cycle_map, turn_pace
@@ -193,8 +193,7 @@ def test_paths_that_leave_the_measured_orientations_foretell_nothing() -> None:
 
 def test_too_few_pairs_are_refused_by_number() -> None:
     pairs = worn_pairs(12)
-    with pytest.raises(InvalidInput, match="12 pairs are too few for a cycle map; give at least 20"):
-        measured_cycle_map(pairs)
+    refused(measured_cycle_map, pairs, told="12 pairs are too few for a cycle map; give at least 20")
 
 
 # -- the measured plywood staircase ------------------------------------------------------------------------
