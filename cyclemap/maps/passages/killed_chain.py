@@ -229,7 +229,7 @@ class KilledChain:
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
-        return (self.noise.line_density(gap) if self.lifted else self.noise.density(gap)) * self.weight
+        return self.noise.density(gap, self.lifted) * self.weight
 
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
@@ -241,8 +241,7 @@ class KilledChain:
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
-        law = self.noise.line_density if self.lifted else self.noise.density
-        ends = [(law(low - images), law(high - images)) for low, high in self.exits]
+        ends = [[self.noise.density(end - images, self.lifted) for end in ends] for ends in self.exits]
         return np.array([at_low - at_high for at_low, at_high in ends])
 
     def expected(self, each: float, at: Array) -> Expectation:
@@ -301,7 +300,7 @@ class Expectation:
         widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
         # How fast c + ∫ g(y - F) X dy grows with F alone.
         gap = fine.theta - images[:, None]
-        pushed = (chain.noise.line_slope(gap) if chain.lifted else chain.noise.slope(gap)) * fine.weight @ on_fine[1]
+        pushed = chain.noise.slope(gap, chain.lifted) * fine.weight @ on_fine[1]
         slope = np.abs((self.at - self.top) @ fine.departure_slopes(images) - pushed)
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))

@@ -223,7 +223,7 @@ def _visit_moments(
     if bandwidth > _MAX_BANDWIDTH or theta.size > _MAX_NODES:
         return None
     image = circle_map(theta)
-    kernel = noise.line_density(theta - image[:, None])
+    kernel = noise.density(theta - image[:, None], lifted=True)
     stationary = operator.density(theta) * weight
     starts = stationary - weight * (stationary @ kernel)
     out = noise.exceedance(zone.arc[1] - image) + noise.exceedance(image - zone.arc[0])
