@@ -85,35 +85,23 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
 
 def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
     image = K * np.sin(theta)
-    np.subtract(theta, image, out=image)
+    np.subtract(theta, image, out=image)  # in place: the quickest of the ways to write it
     return np.asarray(image + TWO_PI * omega)
 
 
-def _sine_slope(theta: Array, omega: Any, K: Any) -> Array:
-    return np.asarray(1.0 - K * np.cos(theta) + 0.0 * omega)
-
-
-def _sine_rises(omega: Any, K: Any) -> Any:
-    return np.abs(K) <= 1.0 + 0.0 * omega
-
-
-def _moebius_lift(theta: Array, a: Any, omega: Any) -> Array:
-    return np.asarray(theta + TWO_PI * omega + 2.0 * np.arctan2(a * np.sin(theta), 1.0 - a * np.cos(theta)))
-
-
-def _moebius_slope(theta: Array, a: Any, omega: Any) -> Array:
-    return np.asarray((1.0 - a * a) / (1.0 - 2.0 * a * np.cos(theta) + a * a) + 0.0 * omega)
-
-
-def _moebius_rises(a: Any, omega: Any) -> Any:
-    return (a >= 0.0) & (a < 1.0 + 0.0 * omega)
-
-
-ARNOLD_FAMILY = ParametricLift(_sine_lift, _sine_slope, nondecreasing=_sine_rises, circle_map=CircleMap.arnold)
+ARNOLD_FAMILY = ParametricLift(
+    _sine_lift,
+    lambda theta, omega, K: 1.0 - K * np.cos(theta) + 0.0 * omega,
+    nondecreasing=lambda omega, K: np.abs(K) <= 1.0 + 0.0 * omega,
+    circle_map=CircleMap.arnold,
+)
 """The sine family θ → θ + 2πΩ - K sin θ, parameters (Ω, K) as of ``CircleMap.arnold``."""
 
 MOEBIUS_FAMILY = ParametricLift(
-    _moebius_lift, _moebius_slope, nondecreasing=_moebius_rises, circle_map=CircleMap.moebius
+    lambda theta, a, omega: theta + TWO_PI * omega + 2.0 * np.arctan2(a * np.sin(theta), 1.0 - a * np.cos(theta)),
+    lambda theta, a, omega: (1.0 - a * a) / (1.0 - 2.0 * a * np.cos(theta) + a * a) + 0.0 * omega,
+    nondecreasing=lambda a, omega: (a >= 0.0) & (a < 1.0 + 0.0 * omega),
+    circle_map=CircleMap.moebius,
 )
 """The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
 

@@ -48,7 +48,7 @@ def test_antiderivatives_are_exact_on_both_kinds_of_panels():
 
 @pytest.mark.parametrize("cuts", [np.zeros(0), np.array([0.3, 1.2, 1.9, 2.0])])
 def test_the_rule_integrates_products_with_kinked_functions(cuts):
-    nodes, weights = MIXED.rule(cuts, 32)
+    nodes, weights = MIXED.cut_rule(cuts, 32)
     assert nodes.size == 32 * (4 + np.sum((cuts > 0) & (cuts < 2)))
     kinks = sum(np.abs(nodes - c) for c in cuts)
     exact = sum((c**2 + (3 - c) ** 2) / 2 for c in cuts)
@@ -135,7 +135,7 @@ def test_monte_carlo_agrees_for_folds_and_jumps(circle_map, h):
     basis = uniform_discretisation(circle_map, noise, max_panels=48)
     law = stationary(basis)
     edges = np.linspace(0, TWO_PI, 31)
-    share = np.diff(basis.panels.integral(law, edges))
+    share = np.diff(basis.integral(law, edges))
     found = np.histogram(theta, edges)[0] / count
     assert np.max(np.abs(found - share) / np.sqrt(share / count + 1e-9)) < 4.5
     assert abs(basis.mass @ law - 1) < 1e-9
@@ -157,8 +157,8 @@ def test_trapped_laws_and_their_bound_shrink_with_more_panels():
 
 def test_a_residual_tells_a_wrong_law():
     basis = uniform_discretisation(CircleMap.rigid(0.1), UniformNoise(0.5))
-    nodes = basis.panels.nodes
-    wrong = basis.panels.coefficients((1 + np.cos(nodes)) / TWO_PI)
+    nodes = basis.nodes
+    wrong = basis.coefficients((1 + np.cos(nodes)) / TWO_PI)
     # L turns the wave and damps it by κ₁, so the residual's maximum is |1 - κ₁ e^{iω}|/2π.
     kappa = np.sin(0.5) / 0.5
     exact = abs(1 - kappa * np.exp(0.2j * np.pi)) / TWO_PI
@@ -173,7 +173,7 @@ def test_the_rule_and_the_moments_integrate_densities():
     np.testing.assert_allclose((weight * np.exp(40j * theta)) @ rows, basis.moments(40), rtol=0, atol=1e-12)
     law = stationary(basis)
     mean = weight @ (JUMPING.derivative(theta) * (rows @ law))
-    fine = np.union1d(np.linspace(0, TWO_PI, 40_001), basis.panels.start)
+    fine = np.union1d(np.linspace(0, TWO_PI, 40_001), basis.start)
     middle = 0.5 * (fine[1:] + fine[:-1])
     values = np.concatenate([basis.evaluate(part) @ law for part in np.array_split(middle, 20)])
     assert abs(mean - np.sum(np.diff(fine) * JUMPING.derivative(middle) * values)) < 1e-8
@@ -182,13 +182,13 @@ def test_the_rule_and_the_moments_integrate_densities():
 def test_level_steps_count_the_crossings_of_every_level():
     cells = monotone_cells(FOLDED, 1, 0.0, 64)
     levels = np.linspace(-7.0, 9.0, 41)
-    steps = level_steps(FOLDED, cells, levels)
+    rows, theta, height, last = level_steps(FOLDED, cells, levels)
     grid = np.linspace(0, TWO_PI, 4_001)[:-1] + 1e-5
     checked = 0
     for row, level in enumerate(levels):
-        mine = steps.row == row
-        ahead = np.sum(steps.height[mine][:, None] * (steps.theta[mine][:, None] > grid), axis=0)
-        np.testing.assert_array_equal(steps.last[row] - ahead, np.floor((FOLDED(grid) - level) / TWO_PI))
+        mine = rows == row
+        ahead = np.sum(height[mine][:, None] * (theta[mine][:, None] > grid), axis=0)
+        np.testing.assert_array_equal(last[row] - ahead, np.floor((FOLDED(grid) - level) / TWO_PI))
         checked += int(mine.sum())
     assert checked > 41
 

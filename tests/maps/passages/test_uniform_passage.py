@@ -75,7 +75,7 @@ def test_a_walk_leaves_a_longer_arc_after_the_time_of_its_delay_equation(length)
 )
 def test_monte_carlo_agrees(circle_map, h, start, ends):
     lives, _ = simulated(circle_map, h, start, lambda theta: ~inside(theta, ends))
-    found = uniform_passage_time(circle_map, UniformNoise(h), start, ends, max_panels=48)
+    found = uniform_passage_time(circle_map, UniformNoise(h), start, ends)
     assert abs(found - lives.mean()) < 4.5 * lives.std() / np.sqrt(lives.size)
     assert found.error_bound < 1e-7
 
@@ -138,10 +138,10 @@ def test_a_passage_beyond_double_precision_is_refused():
 )
 def test_monte_carlo_hits_agree(circle_map, h, start, a, b):
     _, last = simulated(circle_map, h, start, lambda theta: inside(theta, a) | inside(theta, b))
-    found = uniform_hitting_probability(circle_map, UniformNoise(h), start, a, b, max_panels=40)
+    found = uniform_hitting_probability(circle_map, UniformNoise(h), start, a, b)
     share = np.mean(inside(last, a))
     assert abs(found - share) < 4.5 * np.sqrt(max(found * (1 - found), 1e-6) / last.size)
-    swapped = uniform_hitting_probability(circle_map, UniformNoise(h), start, b, a, max_panels=40)
+    swapped = uniform_hitting_probability(circle_map, UniformNoise(h), start, b, a)
     assert abs(found + swapped - 1) <= found.error_bound + swapped.error_bound + 1e-15
     assert found.error_bound < 1e-4
 
@@ -178,7 +178,7 @@ def test_narrow_walks_are_wide_walks_seen_from_afar():
 @pytest.mark.slow
 def test_paths_that_a_trap_swallows_count_for_neither_arc():
     arcs, noise = ((3.4, 3.6), (-0.5, 0.0)), UniformNoise(0.15)
-    chances = [uniform_hitting_probability(STICKY, noise, 2.4, *pair, max_panels=40) for pair in (arcs, arcs[::-1])]
+    chances = [uniform_hitting_probability(STICKY, noise, 2.4, *pair) for pair in (arcs, arcs[::-1])]
     _, last = simulated(STICKY, 0.15, 2.4, lambda x: inside(x, arcs[0]) | inside(x, arcs[1]) | inside(x, (0.5, 1.0)))
     for found, arc in zip(chances, arcs, strict=True):
         assert abs(found - np.mean(inside(last, arc))) < 4.5 * np.sqrt(found * (1 - found) / last.size)
