@@ -78,11 +78,10 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     scan = DiagonalScan(cells, _whole_turns(cells.g_start), _whole_turns(cells.g_end))
     joined = is_continuous(cells)
     tolerance, seeds = _tolerance(circle_map, cells, joined)
-    ends = _Ends(scan, joined, tolerance)
     settled: set[int] = set()
     for seed in seeds.tolist():
         if seed not in settled:
-            settled.update(ends.settle(seed))
+            settled.update(_settled(scan, joined, tolerance, seed))
     # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
     met = dict.fromkeys(scan.border)
     for i in np.flatnonzero(~joined):
@@ -163,67 +162,51 @@ def nearest_on_circle(nodes: Array, theta: Array) -> Whole:
     return np.asarray((pick - 1) % nodes.size)
 
 
-@dataclass(frozen=True, eq=False)
-class _Ends:
-    """Cell ends on the line: end e is end e mod 2·size, moved on by whole laps."""
+def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:
+    """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the run.
 
-    scan: DiagonalScan
-    joined: Mask
-    tolerance: Array
+    Ends are counted on round the circle: end e of the line is end e mod 2·size, moved on by whole laps.
+    """
+    cells, ends = scan.cells, tolerance.size
+    g = np.stack([cells.g_start, cells.g_end], axis=1).ravel()
+    w = round(float(g[seed]) / TWO_PI)
 
-    def settle(self, seed: int) -> list[int]:
-        """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the run."""
-        w = round(self._g(seed) / TWO_PI)
-        low, below = self._reach(seed, w, -1)
-        high, beyond = self._reach(seed, w, 1)
-        run = range(low, high + 1)
-        if below is None or beyond is None:
-            side = below if below is not None else bool(beyond)
-            self._record(self.scan.border, low if below is None else high, w)
-            self._count(run, w, side)
-        elif below == beyond:
-            worst = min(run, key=lambda e: self._g(e) if below else -self._g(e))
-            self._record(self.scan.touch, worst, w)
-            self._count(run, w, below)
-        else:
-            kinks = [e for e in run if e % 2 == 0 and e > low and self.scan.cells.cut[self._cell(e)]]
-            # On no kink the root is sought in the run's middle cell: where three roots merge, the middle one.
-            split = kinks[0] if kinks else (low + high + 1) // 2 | 1
-            if kinks:
-                self._record(self.scan.kink, split, w)
-            self._count(range(low, split), w, below)
-            self._count(range(split, high + 1), w, beyond)
-        return [e % (2 * self.scan.cells.size) for e in run]
-
-    def _cell(self, e: int) -> int:
-        return e // 2 % self.scan.cells.size
-
-    def _laps(self, e: int) -> int:
-        return e // (2 * self.scan.cells.size)
-
-    def _g(self, e: int) -> float:
-        cells = self.scan.cells
-        here = cells.g_end if e % 2 else cells.g_start
-        return float(here[self._cell(e)]) + cells.climb * self._laps(e)
-
-    def _reach(self, seed: int, w: int, step: int) -> tuple[int, bool | None]:
+    def reached(step: int) -> tuple[int, bool | None]:
         """The last end of the run this way, and whether g then lies above the line; None at a jump."""
         e = seed
-        for _ in range(2 * self.scan.cells.size):
-            if max(e, e + step) % 2 == 0 and not self.joined[self._cell(max(e, e + step))]:
+        for _ in range(ends):
+            later = max(e, e + step)
+            if later % 2 == 0 and not joined[later // 2 % joined.size]:
                 return e, None
-            off = self._g(e + step) - TWO_PI * w
-            if abs(off) > self.tolerance[(e + step) % self.tolerance.size]:
+            laps, place = divmod(e + step, ends)
+            off = float(g[place]) + cells.climb * laps - TWO_PI * w
+            if abs(off) > tolerance[place]:
                 return e, off > 0.0
             e += step
         return e, None
 
-    def _record(self, found: list[tuple[float, int]], e: int, w: int) -> None:
-        cells, wraps = self.scan.cells, e % 2 == 1 and self._cell(e) == self.scan.cells.size - 1
-        theta = 0.0 if wraps else float((cells.end if e % 2 else cells.start)[self._cell(e)])
-        found.append((theta, w - self.scan.lap * (self._laps(e) + wraps)))
+    def record(found: list[tuple[float, int]], e: int) -> None:
+        laps, place = divmod(e, ends)
+        wraps = place == ends - 1
+        theta = 0.0 if wraps else float((cells.end if place % 2 else cells.start)[place // 2])
+        found.append((theta, w - scan.lap * (laps + wraps)))
 
-    def _count(self, run: range, w: int, above: bool) -> None:
-        for e in run:
-            turns = self.scan.turn_end if e % 2 else self.scan.turn_start
-            turns[self._cell(e)] = w - self.scan.lap * self._laps(e) - (0 if above else 1)
+    (low, below), (high, beyond) = reached(-1), reached(1)
+    split, sides = high + 1, (below, below)  # whether g lies above the line at the ends before and from the split
+    if below is None or beyond is None:
+        sides = (bool(beyond), False) if below is None else (below, False)
+        record(scan.border, low if below is None else high)
+    elif below == beyond:
+        height = [float(g[e % ends]) + cells.climb * (e // ends) for e in range(low, high + 1)]
+        record(scan.touch, low + int(np.argmin(height) if below else np.argmax(height)))
+    else:
+        kinks = [e for e in range(low + 1, high + 1) if e % 2 == 0 and cells.cut[e // 2 % joined.size]]
+        # On no kink the root is sought in the run's middle cell: where three roots merge, the middle one.
+        split, sides = kinks[0] if kinks else (low + high + 1) // 2 | 1, (below, beyond)
+        if kinks:
+            record(scan.kink, split)
+    for e in range(low, high + 1):
+        laps, place = divmod(e, ends)
+        turns = scan.turn_end if place % 2 else scan.turn_start
+        turns[place // 2] = w - scan.lap * laps - (0 if sides[e >= split] else 1)
+    return [e % ends for e in range(low, high + 1)]
