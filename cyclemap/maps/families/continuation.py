@@ -355,13 +355,6 @@ def bifurcations(
     return sorted(kept, key=lambda found: float(found.parameter))
 
 
-def _of_kind(
-    kind: str, family: Family, parameters: Range, period: int, winding: int, resolution: int
-) -> list[Bifurcation]:
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == kind]
-
-
 def saddle_nodes(
     family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
 ) -> list[Bifurcation]:
@@ -372,7 +365,8 @@ def saddle_nodes(
     >>> birth.parameter.holds(0.2 * np.pi)
     True
     """
-    return _of_kind("saddle-node", family, parameters, period, winding, resolution)
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "saddle-node"]
 
 
 def period_doublings(
@@ -385,7 +379,8 @@ def period_doublings(
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
     True
     """
-    return _of_kind("period-doubling", family, parameters, period, winding, resolution)
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "period-doubling"]
 
 
 def border_collisions(
@@ -399,4 +394,5 @@ def border_collisions(
     >>> [(one.folds, bool(one.parameter.holds(0.0))) for one in border_collisions(tent, (-1.0, 1.0))]
     [(True, True)]
     """
-    return _of_kind("border-collision", family, parameters, period, winding, resolution)
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "border-collision"]

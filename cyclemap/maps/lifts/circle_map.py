@@ -233,15 +233,7 @@ class CircleMap:
         shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
         if not 0.0 <= r < 1.0:
             raise InvalidInput(f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any |a| < 1")
-        # As in _blaschke_forms, without its loop: this map is the one that orbits are followed for.
-        double, gap, top = 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)
-        return cls.with_scalar(
-            lambda x: (
-                x + shift + 2.0 * np.arctan2(double * (s := np.sin(0.5 * x)) * np.cos(0.5 * x), gap + double * s * s)
-            ),
-            lambda x: top / (gap * gap + 2.0 * double * np.sin(0.5 * x) ** 2),
-            lambda x: x + shift + 2.0 * atan2(double * (s := sin(0.5 * x)) * cos(0.5 * x), gap + double * s * s),
-        ).remade_by(cls.moebius, a, omega)
+        return cls.with_scalar(*_blaschke_forms((complex(r),), shift)).remade_by(cls.moebius, a, omega)
 
     @classmethod
     def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:

@@ -127,7 +127,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     """
     rising = is_rising(cells)
     special = np.flatnonzero((rising != np.roll(rising, 1)) | cells.cut)
-    tolerance = np.full(2 * cells.size, TANGENCY)
+    tolerance = np.full(2 * cells.start.size, TANGENCY)
     if special.size == 0:
         return tolerance, special
     after, before = cells.g_start[special], np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
@@ -147,7 +147,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     allowed = raised
     tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
     ends = np.concatenate([2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1])
-    return tolerance, np.mod(ends, 2 * cells.size)
+    return tolerance, np.mod(ends, 2 * cells.start.size)
 
 
 def _gap(g: Array) -> Array:

@@ -14,7 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
-from cyclemap.maps.lifts.scan import roots_between
+from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
     DiagonalScan,
@@ -94,7 +94,7 @@ def periodic_points(circle_map: CircleMap, period: int, winding: int | None = No
     wanted = None if winding is None else whole_number("winding", winding)
     scan = diagonal_scan(circle_map, n)
     roots = _polished_roots(circle_map, scan, n)
-    allowed = roots.rounding + TANGENCY * roots.at_touch
+    allowed = roots.rounding + TANGENCY * (roots.role >= _TOUCH)
     residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
     bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
@@ -131,14 +131,12 @@ class _Roots:
     slope: Array
     rounding: Array
 
-    @property
-    def at_touch(self) -> Mask:
-        return np.asarray(self.role >= _TOUCH)
-
 
 def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
     """All roots, after Newton's steps with whole turns counted apart, as long as they help; sorted."""
-    theta, whole, _ = roots_between(circle_map, scan.cells, 0.0, scan.turn_start, scan.turn_end)
+    cell = np.flatnonzero(scan.turn_start != scan.turn_end)
+    level, turns = np.float64(0.0), (scan.turn_start[cell], scan.turn_end[cell])
+    theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
     role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
@@ -169,12 +167,13 @@ def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
     with np.errstate(divide="ignore"):
         half = np.minimum(1.5 * margin / np.abs(roots.slope - 1.0), 1e-8)
     half = np.maximum(half, 2.0 * np.spacing(roots.theta) + 1e-300)
-    half[roots.at_touch] = np.maximum(half[roots.at_touch], TANGENCY)
+    touches = roots.role >= _TOUCH
+    half[touches] = np.maximum(half[touches], TANGENCY)
     bound, left = np.full(half.shape, np.inf), np.flatnonzero(roots.role != _BORDER)
     for _ in range(_WIDENINGS):
         if left.size == 0:
             break
-        theta, whole, touch = roots.theta[left], roots.winding[left], roots.at_touch[left]
+        theta, whole, touch = roots.theta[left], roots.winding[left], touches[left]
         (low, _, low_noise), (high, _, high_noise) = (
             displacement(circle_map, theta + side * half[left], period, whole) for side in (-1, 1)
         )

@@ -159,18 +159,19 @@ def killed_chain(
     circle_map: CircleMap,
     noise: Noise,
     arcs: tuple[Arc, ...],
-    exits: tuple[Arc, ...],
+    exits: tuple[Arc, ...] | None,
     lifted: bool,
     *,
-    every_sample: bool = False,
+    every_sample: bool = True,
     stretch: float = 1.0,
     most: int = MAX_UNKNOWNS,
 ) -> KilledChain:
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes
-        end at every sample of a sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more
-        than ``most`` nodes would be needed, and for ``UniformNoise``, whose density jumps.
+    exits : None takes all that lies outside the one arc, on the line below it and above it. lifted : the space is the
+    real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes end at every sample of a
+    sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more than ``most`` nodes would be
+    needed, and for ``UniformNoise``, whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
@@ -178,6 +179,9 @@ def killed_chain(
         raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
     if isinstance(noise, UniformNoise):
         raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
+    if exits is None:
+        ((low, high),) = arcs
+        exits = ((-np.inf, low), (high, np.inf)) if lifted else ((high, low + TWO_PI),)
     bandwidth = float(_MIN_BANDWIDTH)
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05
@@ -310,21 +314,3 @@ class Expectation:
             bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(sources[:-1])
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
         return float(own_bound), float(from_map) if chain.map.max_error else 0.0
-
-
-def arc_chain(
-    circle_map: CircleMap,
-    noise: Noise,
-    ends: Arc,
-    lifted: bool,
-    *,
-    every_sample: bool = True,
-    stretch: float = 1.0,
-    most: int = MAX_UNKNOWNS,
-) -> KilledChain:
-    """The chain on one arc, killed below and above it on the line, or on the rest of the circle."""
-    line, circle = ((-np.inf, ends[0]), (ends[1], np.inf)), ((ends[1], ends[0] + TWO_PI),)
-    exits = line if lifted else circle
-    return killed_chain(
-        circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch, most=most
-    )

@@ -18,7 +18,6 @@ from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
     KilledChain,
-    arc_chain,
     arc_ends,
     killed_chain,
     required_inside,
@@ -77,7 +76,8 @@ def log10_passage_time(
     inside = required_inside(start, ends)
 
     def chain(every_sample: bool, stretch: float) -> KilledChain:
-        return arc_chain(circle_map, noise, ends, lifted, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
+        on = circle_map, noise, (ends,), None, lifted
+        return killed_chain(*on, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
     many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
@@ -211,8 +211,13 @@ def _eliminated(chain: KilledChain, start: float) -> float:
     pivot = np.diag(elimination.packed)
     if not np.all(pivot[1:] > 0.0):
         raise ConvergenceError("two parts of the arc are each left less than once in 1e300 cycles: take a shorter arc")
-    shares = -np.triu(elimination.packed, 1)
-    excursion = _collected(shares, np.ones(order.size))
+
+    def collected(shares: Array, reward: Array) -> float:
+        """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U = ``shares``."""
+        left = np.eye(reward.size) - shares
+        return float(solve_triangular(left, reward, unit_diagonal=True, check_finite=False)[0])
+
+    excursion = collected(-np.triu(elimination.packed, 1), np.ones(order.size))
     moves = _log_transitions(chain)[np.ix_(order, order)]
     moves[:, 0] = -np.inf  # excursions end on their return
     out = _log_departures(chain)[order]
@@ -225,7 +230,7 @@ def _eliminated(chain: KilledChain, start: float) -> float:
             tilted[:k, low:k] += np.multiply.outer(tilted[:k, k], tilted[k, low:k])
             tilted[low:k, :low] += np.multiply.outer(tilted[low:k, k], tilted[k, :low])
         tilted[:low, :low] += tilted[:low, low:high] @ tilted[low:high, :low]
-    leaving = np.log(_collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
+    leaving = np.log(collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
     return float(np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns())))
 
 
@@ -234,12 +239,6 @@ def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
     image = chain.map(np.array([start]))
     step, left = chain.transitions(image)[0], float(np.sum(chain.departures(image)))
     return float(step @ returns / (step.sum() + left))
-
-
-def _collected(shares: Array, reward: Array) -> float:
-    """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U = ``shares``."""
-    after = solve_triangular(np.eye(reward.size) - shares, reward, unit_diagonal=True, check_finite=False)
-    return float(after[0])
 
 
 def _log_leaving(moves: Array, out: Array) -> Array:

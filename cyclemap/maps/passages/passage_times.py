@@ -17,7 +17,6 @@ from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.passages.killed_chain import (
     Arc,
     KilledChain,
-    arc_chain,
     arc_ends,
     arcs_between,
     into_arc,
@@ -71,7 +70,7 @@ def mean_passage_time(
         from cyclemap.maps.passages.uniform_passage import uniform_passage_time
 
         return uniform_passage_time(circle_map, noise, inside, ends, lifted, progress=progress)
-    make = partial(arc_chain, circle_map, noise, ends, lifted)
+    make = partial(killed_chain, circle_map, noise, (ends,), None, lifted)
     return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
 
@@ -150,7 +149,7 @@ def survival_probabilities(
     """
     count, ends = whole_number("cycles", cycles, least=0), arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    chain = arc_chain(circle_map, noise, ends, lifted)
+    chain = killed_chain(circle_map, noise, (ends,), None, lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]

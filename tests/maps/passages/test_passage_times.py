@@ -19,7 +19,7 @@ from cyclemap.maps import (
     survival_probabilities,
     transfer_operator,
 )
-from cyclemap.maps.passages.killed_chain import arc_chain, eliminated
+from cyclemap.maps.passages.killed_chain import eliminated, killed_chain
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -88,7 +88,7 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
-            chain = arc_chain(STICKY, law, arc, False, every_sample=False, stretch=stretch)
+            chain = killed_chain(STICKY, law, (arc,), None, False, every_sample=False, stretch=stretch)
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
             assert error <= bound + exact.error_bound
