@@ -14,7 +14,7 @@ from scipy.linalg import lapack, lu_factor, lu_solve
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import INTEGRAL, Estimate
+from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 
@@ -91,7 +91,10 @@ class StationaryLaw:
         once = fine.cycle(defect)
         resolved = fine.padded(self._solve(fine.cut(once, basis)), basis)
         correction = defect + once + fine.cycle(resolved)
-        left = float(np.sum(np.abs(fine.cycle(correction) - correction + defect))) + fine.left_out(density)
+        left = float(np.sum(np.abs(fine.cycle(correction) - correction + defect)))
+        # And Σ over m > modes of |E e^{imθ}| after one cycle (proved), with an allowance for rounding.
+        beyond = fine.noise.tail(fine.modes) + MATRIX * float(np.linalg.norm(fine.kappa))
+        left += beyond * float(np.dot(fine.rule[1], np.abs(density)))
         growth = 1.0 + _NORM_SAFETY * self._factors[2]
         return fine, correction, left, growth * left / np.pi
 

@@ -254,7 +254,7 @@ def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | 
             )
         candidate = simplest_between(low, high)
         if candidate.denominator <= max_period and under.settles(candidate) and over.settles(candidate):
-            proof = _locking_proof(circle_map, candidate, push, (under.theta, over.theta))
+            proof = _locking_proof(circle_map, candidate, push, (under.visited[-1], over.visited[-1]))
             if proof is not None:
                 return RotationNumber(float(candidate), *_floats(candidate, candidate), candidate, proof)
         if high - low <= 2.0 * tolerance:
@@ -267,16 +267,11 @@ class _PushedOrbit:
 
     def __init__(self, circle_map: CircleMap, push: float) -> None:
         self._lift, self._push = circle_map.scalar(), push
-        self._visited, self._laps = [0.0], [0]
-
-    @property
-    def theta(self) -> float:
-        """The latest angle."""
-        return self._visited[-1]
+        self.visited, self.laps = [0.0], [0]
 
     def run_to(self, count: int) -> None:
         """Go on to the iterate of that number."""
-        lift, push, laps, visited = self._lift, self._push, self._laps, self._visited
+        lift, push, laps, visited = self._lift, self._push, self.laps, self.visited
         theta, turns = visited[-1], laps[-1]
         for _ in range(len(laps), count + 1):
             image = lift(theta) + push
@@ -288,10 +283,10 @@ class _PushedOrbit:
 
     def settles(self, ratio: Fraction) -> bool:
         """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no period of it."""
-        period, last = ratio.denominator, max(2 * ratio.denominator, len(self._laps) // 2)
-        if period + last > len(self._laps):
+        period, last = ratio.denominator, max(2 * ratio.denominator, len(self.laps) // 2)
+        if period + last > len(self.laps):
             return False
-        theta, turns = np.array(self._visited[-last - period :]), np.array(self._laps[-last - period :], dtype=float)
+        theta, turns = np.array(self.visited[-last - period :]), np.array(self.laps[-last - period :], dtype=float)
         gap = np.abs(theta[period:] - theta[:-period] + TWO_PI * (turns[period:] - turns[:-period] - ratio.numerator))
         near = _SETTLED + abs(self._push)
         return bool(gap[-1] <= max(0.9 * gap[0], near) and np.all(gap[period:] <= np.maximum(gap[:-period], near)))
@@ -299,7 +294,7 @@ class _PushedOrbit:
     def best_ratio(self) -> Fraction:
         """The largest p/n with Fⁿ(0) ≥ 2πp if the push is down, the smallest with ≤ if it is up."""
         up = self._push > 0.0
-        whole = np.array(self._laps[1:]) + up
+        whole = np.array(self.laps[1:]) + up
         ratio = whole / np.arange(1.0, whole.size + 1.0)
         best = int(np.argmin(ratio) if up else np.argmax(ratio))
         return Fraction(int(whole[best]), best + 1)

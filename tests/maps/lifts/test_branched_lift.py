@@ -7,17 +7,10 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
+from tests.maps.known_maps import wavy, wavy_slope
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-15.0, 15.0, 3001)
-
-
-def wavy(x):
-    return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
-
-
-def wavy_slope(x):
-    return 1 + 0.3 * np.cos(x) + 0.2 * np.sin(2 * x)
 
 
 def lines(slopes, offsets, start, seams, degree, derivative):

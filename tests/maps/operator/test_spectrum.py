@@ -5,6 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, WrappedCauchy, WrappedNormal, transfer_operator
+from tests.maps.known_maps import TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 Z_STAR = 0.2550616828143848456 - 0.2049307699033403712j
@@ -103,8 +104,7 @@ def test_the_gap_and_the_mixing_time_are_one_number():
 
 def test_slow_mixing_between_wells_is_the_rate_of_escape():
     """For two equal wells 1 - λ₂ = 2/T, T the mean time from one well to the bottom of the other (Kramers 1940)."""
-    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
-    law = transfer_operator(twin, WrappedNormal(0.28))
+    law = transfer_operator(TWIN_WELLS, WrappedNormal(0.28))
     hop = law.mean_passage_time(0.0, (0.5 - np.pi, np.pi - 0.5))
     assert law.spectral_gap == pytest.approx(2.0 / hop, rel=1e-3)
     assert 1e-6 < law.spectral_gap < 1e-4

@@ -9,6 +9,7 @@ from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
 from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.noise.panels import Panels, level_steps
 from cyclemap.maps.operator.uniform_basis import uniform_discretisation
+from tests.maps.known_maps import DOUBLING, DROPPING, TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))
@@ -57,8 +58,6 @@ def test_the_rule_integrates_products_with_kinked_functions(cuts):
 
 
 FOLDED = CircleMap.arnold(0.3, 3.0)
-JUMPING = CircleMap.from_samples([0, 2, 2, 4, 6], [0.7, 2.3, 1.6, 3.8, 6.5], [0.8] * 5)
-DOUBLING = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
 
 
 def contraction(x):
@@ -126,7 +125,7 @@ def test_a_smooth_map_agrees_with_three_hundred_fourier_modes(h):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("circle_map", "h"), [(FOLDED, 0.5), (JUMPING, 0.3), (CONTRACTION, 0.6)])
+@pytest.mark.parametrize(("circle_map", "h"), [(FOLDED, 0.5), (DROPPING, 0.3), (CONTRACTION, 0.6)])
 def test_monte_carlo_agrees_for_folds_and_jumps(circle_map, h):
     noise, rng, count = UniformNoise(h), np.random.default_rng(4), 60_000
     theta = rng.uniform(0, TWO_PI, count)
@@ -166,17 +165,17 @@ def test_a_residual_tells_a_wrong_law():
 
 
 def test_the_rule_and_the_moments_integrate_densities():
-    basis = uniform_discretisation(JUMPING, UniformNoise(0.5), max_panels=24)
+    basis = uniform_discretisation(DROPPING, UniformNoise(0.5), max_panels=24)
     theta, weight = basis.rule
     rows = basis.evaluate(theta)
     np.testing.assert_allclose(weight @ rows, basis.mass, rtol=0, atol=1e-13)
     np.testing.assert_allclose((weight * np.exp(40j * theta)) @ rows, basis.moments(40), rtol=0, atol=1e-12)
     law = stationary(basis)
-    mean = weight @ (JUMPING.derivative(theta) * (rows @ law))
+    mean = weight @ (DROPPING.derivative(theta) * (rows @ law))
     fine = np.union1d(np.linspace(0, TWO_PI, 40_001), basis.start)
     middle = 0.5 * (fine[1:] + fine[:-1])
     values = np.concatenate([basis.evaluate(part) @ law for part in np.array_split(middle, 20)])
-    assert abs(mean - np.sum(np.diff(fine) * JUMPING.derivative(middle) * values)) < 1e-8
+    assert abs(mean - np.sum(np.diff(fine) * DROPPING.derivative(middle) * values)) < 1e-8
 
 
 def test_level_steps_count_the_crossings_of_every_level():
@@ -195,8 +194,7 @@ def test_level_steps_count_the_crossings_of_every_level():
 
 @pytest.mark.slow
 def test_two_arcs_that_the_noise_does_not_connect_still_give_an_operator():
-    bistable = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
-    basis = uniform_discretisation(bistable, UniformNoise(0.2), max_panels=32)
+    basis = uniform_discretisation(TWIN_WELLS, UniformNoise(0.2), max_panels=32)
     moduli = np.sort(np.abs(np.linalg.eigvals(basis.matrix)))[::-1]
     np.testing.assert_allclose(moduli[:2], 1.0, atol=1e-6)
     assert moduli[2] < 0.9

@@ -16,19 +16,13 @@ from cyclemap.maps import (
     upper_envelope,
 )
 from cyclemap.maps.orbits.envelopes import largest_descent
+from tests.maps.known_maps import DOUBLING, KNOWN_TURNS
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)
 
 
-KNOWN = [
-    (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
-    (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
-    (CircleMap.arnold(0.6, 0.5), 0.602894830374585070928578946844),
-]
-
-
-@pytest.mark.parametrize(("circle_map", "truth"), KNOWN)
+@pytest.mark.parametrize(("circle_map", "truth"), KNOWN_TURNS)
 def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     found = rotation_number(circle_map)
     assert abs(found.value - truth) < 1e-14
@@ -194,10 +188,9 @@ def test_a_monotone_map_is_its_own_envelope():
 
 
 def test_other_degrees_and_bad_counts_are_refused():
-    doubling = CircleMap(lambda x: 2 * x, degree=2)
     for ask in (rotation_number, rotation_interval, upper_envelope, lower_envelope):
         with pytest.raises(InvalidInput, match="degree"):
-            ask(doubling)
+            ask(DOUBLING)
     for ask in (rotation_number, rotation_interval):
         for name, bad in (("iterates", 0), ("max_period", 0), ("tolerance", -1.0)):
             with pytest.raises(InvalidInput, match=name):
