@@ -80,9 +80,9 @@ def _on_panels(
     nodes, weights, place = [], [], []
     for points in np.unique(order):
         use = order == points
-        x, w = _gauss(int(points))
-        nodes.append((left[use, None] + width[use, None] * (0.5 + 0.5 * x)).ravel())
-        weights.append((0.5 * width[use, None] * w).ravel())
+        x, w = gauss_rule(left[use], width[use], int(points))
+        nodes.append(x)
+        weights.append(w)
         place.append(np.repeat(np.flatnonzero(use), points))
     owner = np.argsort(np.concatenate(place), kind="stable")
     return np.concatenate(nodes)[owner], np.concatenate(weights)[owner]
@@ -140,6 +140,12 @@ def _near_critical(circle_map: CircleMap) -> Array:
     found = np.concatenate([folds, cells.start[small & cells.cut], minima])
     found = np.sort(np.mod(found, TWO_PI))
     return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
+
+
+def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width], panel by panel."""
+    x, w = _gauss(points)
+    return (left[:, None] + width[:, None] * (0.5 + 0.5 * x)).ravel(), (0.5 * width[:, None] * w).ravel()
 
 
 @lru_cache(maxsize=256)

@@ -145,9 +145,8 @@ def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
 
     The map reads its one-sided limits a few roundings beside the break; to first order that is taken back here.
     """
-    if side > 0:
-        return np.asarray(circle_map.right(theta) - SIDE_STEP * circle_map.right_derivative(theta))
-    return np.asarray(circle_map.left(theta) + SIDE_STEP * circle_map.left_derivative(theta))
+    limit = circle_map.right(theta) if side > 0 else circle_map.left(theta)
+    return np.asarray(limit - side * SIDE_STEP * circle_map.derivative(theta, side))
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +181,7 @@ class ParameterTangent:
         carried = self._carried(base, self.break_rates)
         if np.any(carried):
             # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
-            total = total - self.member.right_derivative(base) * carried
+            total = total - self.member.derivative(base, 1) * carried
         return np.asarray(total)
 
     def _carried(self, theta: Array, motion: Array) -> Array:

@@ -313,7 +313,7 @@ def _one_sided(
     member, beside, at = tangent.member, np.array(theta), theta[point]
     images, slopes = np.array(member(theta)), np.array(member.derivative(theta))
     images[point] = limit_at_break(member, at, side)
-    slopes[point] = member.right_derivative(at) if side > 0 else member.left_derivative(at)
+    slopes[point] = member.derivative(at, side)
     beside[point] -= _BESIDE * (side < 0)
     rate = tangent.break_rates[int(np.argmin(np.abs(shorter_way(at - member.breaks))))]
     condition = np.append(np.arange(theta.size) == point, -rate)

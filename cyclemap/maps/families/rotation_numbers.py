@@ -91,11 +91,16 @@ def rotation_numbers(
     # Bounds p/n as floats, moved outward by the rounding of that division.
     lower = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
     upper = np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
-    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
-    period, winding = period.reshape(shape), winding.reshape(shape)
-    for whole in (period, winding):
-        whole.setflags(write=False)
+    value, lower, upper, period, winding = _shaped(shape, value, lower, upper, period, winding)
     return RotationNumbers(value, lower, upper, period, winding, wanted)
+
+
+def _shaped(shape: tuple[int, ...], *arrays: Any) -> list[Any]:
+    """The arrays in this shape, for reading only."""
+    shaped = [array.reshape(shape) for array in arrays]
+    for array in shaped:
+        array.setflags(write=False)
+    return shaped
 
 
 def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, workers: int) -> tuple[Array, Array]:
@@ -310,12 +315,9 @@ def rotation_plane(
         if one.locked is not None:
             period[place], winding[place] = one.locked.denominator, one.locked.numerator
         folded[place] = not is_nondecreasing(member)
-    shape = (first.size, second.size)
-    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
-    period, winding, folded = period.reshape(shape), winding.reshape(shape), folded.reshape(shape)
-    for part in (period, winding, folded):
-        part.setflags(write=False)
-    return RotationPlane(read_only(first), read_only(second), value, lower, upper, period, winding, folded, wanted)
+    shape, axes = (first.size, second.size), (read_only(first), read_only(second))
+    value, lower, upper, period, winding, folded = _shaped(shape, value, lower, upper, period, winding, folded)
+    return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)
 
 
 def _axis(name: str, values: Any) -> Array:

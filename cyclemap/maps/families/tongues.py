@@ -30,6 +30,7 @@ from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians
+_CLOSE = 4.0 * EPS  # relative: the least that Brent's method takes
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
@@ -163,8 +164,13 @@ class EdgeSearch:
 
     def edge(self, low: float, high: float) -> tuple[Estimate, float, bool]:
         """The edge inside [low, high], the angle of its orbit, whether the map folds; the ends lie on its two sides."""
+        from scipy.optimize import brentq  # slow to import
+
         for _ in range(_SEARCHES):
-            below, above = bracketed_zero(self.value, low, high)
+            # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
+            brentq(lambda p: self.value(p) or 1e-300, low, high, xtol=2.0 * EPS * max(abs(low), abs(high)), rtol=_CLOSE)
+            below = max(p for p in self.tried if self.value(p) < 0.0)
+            above = min(p for p in self.tried if self.value(p) >= 0.0)
             parameter, beyond = (above, below) if self.side == "left" else (below, above)
             trial, outside = self.tried[parameter], self.tried[beyond].monotone
             unseen, where = unseen_height(outside, self.ratio, self._sign)
@@ -196,28 +202,6 @@ class EdgeSearch:
             image = trial.monotone(image)
             image = image - TWO_PI * np.rint(image / TWO_PI)
         return gained
-
-
-def bracketed_zero(value: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Parameters a < b a few roundings apart with value(a) < 0 <= value(b): the Illinois method, safeguarded.
-
-    Dowell & Jarratt (1971); a step that does not shrink the bracket to a quarter in three is a bisection.
-    """
-    at_low, at_high = value(low), value(high)
-    tolerance, widths, last = 2.0 * EPS * max(abs(low), abs(high)), [high - low], 0.0
-    while high - low > 2.0 * tolerance:
-        guess = low + (high - low) * (-at_low / (at_high - at_low))
-        if len(widths) > 3 and widths[-1] > 0.25 * widths[-4]:
-            guess, widths = 0.5 * (low + high), []
-        guess = min(max(guess, low + tolerance), high - tolerance)
-        found = value(guess)
-        if found < 0.0:
-            low, at_low, at_high = guess, found, at_high * (0.5 if last < 0.0 else 1.0)
-        else:
-            high, at_high, at_low = guess, found, at_low * (0.5 if last > 0.0 else 1.0)
-        last = -1.0 if found < 0.0 else 1.0
-        widths.append(high - low)
-    return low, high
 
 
 RESOLUTION = 128

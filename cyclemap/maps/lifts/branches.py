@@ -117,7 +117,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
         own, right = circle_map(start), circle_map.right(start)
         first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
         # The limit from below is read SIDE_STEP before the break: go on along the slope there.
-        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.left_derivative(end)
+        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
     following = np.append(first[1:], first[0] + cells.climb)
     smooth_after = np.abs(following - last) <= JUMP
     last[smooth_after] = following[smooth_after]

@@ -138,8 +138,10 @@ class CircleMap:
         angles = np.asarray(theta, dtype=np.float64)
         return self._lift(angles) - angles
 
-    def derivative(self, theta: Any) -> Array:
-        """F'(θ); at a break the derivative from the right."""
+    def derivative(self, theta: Any, side: int = 0) -> Array:
+        """F'(θ); at a break the derivative from the right, with ``side`` -1 or 1 its limit from below or above."""
+        if side:
+            return one_sided_limit(self.derivative, self.breaks, theta, side, 0)
         angles = np.asarray(theta, dtype=np.float64)
         if self._derivative is not None:
             return self._derivative(angles)
@@ -160,14 +162,6 @@ class CircleMap:
     def right(self, theta: Any) -> Array:
         """The limit of F from above at ``theta``."""
         return one_sided_limit(self._lift, self.breaks, theta, 1, self.degree)
-
-    def left_derivative(self, theta: Any) -> Array:
-        """The limit of F' from below at ``theta``."""
-        return one_sided_limit(self.derivative, self.breaks, theta, -1, 0)
-
-    def right_derivative(self, theta: Any) -> Array:
-        """The limit of F' from above at ``theta``."""
-        return one_sided_limit(self.derivative, self.breaks, theta, 1, 0)
 
     def jumps(self) -> tuple[Array, Array, Array]:
         """(breaks where F jumps, its limits from the left, its limits from the right); kinks are left out."""

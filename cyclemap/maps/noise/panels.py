@@ -297,19 +297,15 @@ def refined(
     tolerance: Array,
     most: int,
     within: Callable[[Array], Mask] | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> Panels:
     """Panels cut until each function in ``assembled(panels)`` (n, m) is resolved to its ``tolerance`` (m,).
 
     The first function comes first: others are looked at when it is resolved. Ends at ``most`` panels.
-    ``within`` tells of angles whether they belong to the domain; panels outside it are left out. ``progress`` is
-    called before each pass with the share of ``most`` that there is.
+    ``within`` tells of angles whether they belong to the domain; panels outside it are left out.
     """
     root = singular.theta[singular.root & (singular.generation < _BENT)]
     panels = panels_between(ends, root, within)
     for step in range(_PASSES):
-        if progress is not None:
-            progress(min(1.0, panels.count / most))
         excess = tails(panels, assembled(panels)) / tolerance
         unresolved = np.flatnonzero(np.max(excess, axis=0) > 1.0)
         if unresolved.size == 0 or panels.count >= most:

@@ -244,7 +244,7 @@ def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     on = np.flatnonzero(np.abs(shorter_way(theta - nearest)) <= max(_LINKED, SNAP))
     right, left = plain.copy(), plain.copy()
     if on.size:
-        right[on], left[on] = circle_map.right_derivative(nearest[on]), circle_map.left_derivative(nearest[on])
+        right[on], left[on] = circle_map.derivative(nearest[on], 1), circle_map.derivative(nearest[on], -1)
     return right, left
 
 

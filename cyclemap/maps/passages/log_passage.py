@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
@@ -46,7 +44,6 @@ def log10_passage_time(
     arc: Arc,
     *,
     lifted: bool = False,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
@@ -61,8 +58,6 @@ def log10_passage_time(
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and 2e-14 of ln T for
     rounding; measured, and without the map's ``max_error``.
 
-    progress : called with the fraction done, at most, after each of up to five solutions. An exception ends the work.
-
     Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than 60,000
     nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two parts of the arc are each left
     less than once in 1e300 cycles.
@@ -71,7 +66,6 @@ def log10_passage_time(
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
-    tell = progress or (lambda fraction: None)
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
 
@@ -81,18 +75,13 @@ def log10_passage_time(
 
     many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
-        time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted, progress=lambda done: tell(0.2 * done))
-        tell(0.2)
+        time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
         if not isinstance(noise, WrappedNormal):
             raise InvalidInput(f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known")
     for every_sample in (False, True):
-        found = []
-        for stretch in (1.0, _STRETCH):
-            found.append(_log_time(chain(every_sample, stretch), inside))
-            tell(0.2 * len(found) + (0.6 if every_sample else 0.2))
-        value, again = found
+        value, again = (_log_time(chain(every_sample, stretch), inside) for stretch in (1.0, _STRETCH))
         bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
         if bound <= _ACCEPTED:
             return Estimate(again / np.log(10.0), bound / np.log(10.0))

@@ -164,8 +164,6 @@ def uniform_passage_time(
     start: float,
     ends: Arc,
     lifted: bool = False,
-    *,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """``mean_passage_time`` under uniform noise on [-h, h], from ``start`` inside the arc ``ends``, radians.
 
@@ -195,7 +193,7 @@ def uniform_passage_time(
         reach = replace(reach, domain=replace(reach, domain=reach.without(lost)).without(trap))
     if reach.domain.length == 0.0:
         return Estimate(1.0, 0.0)
-    chain, slack = _chain(reach, [ends[0], ends[1]], np.ones_like, progress)
+    chain, slack = _chain(reach, [ends[0], ends[1]], np.ones_like)
     value = chain.extended(chain.solutions[:, 1], start, np.ones_like)
     return Estimate(value, (slack / (1.0 - slack) + SOLUTION) * value)
 
@@ -206,8 +204,6 @@ def uniform_hitting_probability(
     start: float,
     arc_a: Arc,
     arc_b: Arc,
-    *,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """``hitting_probability`` under uniform noise, from a ``start`` outside both arcs, which do not overlap.
 
@@ -233,7 +229,7 @@ def uniform_hitting_probability(
     if reach.domain.length == 0.0:  # at once or never
         value = float(arrives(circle_map(np.array([start])))[0])
         return Estimate(value, SOLUTION * value)
-    chain, slack = _chain(reach, [*arc_a, *arc_b], arrives, progress)
+    chain, slack = _chain(reach, [*arc_a, *arc_b], arrives)
     law, time = chain.solutions.T
     longest = chain.extended(time, start, np.ones_like) / (1.0 - slack)
     value = float(np.clip(chain.extended(law, start, arrives), 0.0, 1.0))
@@ -297,9 +293,7 @@ class _Chain(Panels):
         return 2.0 * worst + rounding + moved + self.missing * largest / self.halfwidth
 
 
-def _chain(
-    reach: Reach, marks: list[float], source: Source, progress: Callable[[float], None] | None
-) -> tuple[_Chain, float]:
+def _chain(reach: Reach, marks: list[float], source: Source) -> tuple[_Chain, float]:
     """Panels on which the solution is resolved, and the residual of the mean time, small enough to say something.
 
     marks : the ends of the arcs that matter.
@@ -330,7 +324,7 @@ def _chain(
     ends = np.array([domain.start[0], domain.end[-1]])
     for more in (domain.start, domain.end, reach.cut(reach.map.breaks), kinks.upto(0).theta):
         ends = with_ends(ends, more)
-    made = chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), MAX_PANELS, domain.hold, progress))
+    made = chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), MAX_PANELS, domain.hold))
     slack = made.residual(made.solutions[:, 1], np.ones_like)
     if slack > _ACCEPTED:
         wide = float(np.sum(made.end - made.start)) / halfwidth
