@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from cmath import phase
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import atan2, cos, sin
 from typing import Any
@@ -27,7 +27,7 @@ from cyclemap.maps.lifts.lift_checks import (
     guarded,
     one_sided_limit,
 )
-from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches, listed_branches
+from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches
 
 Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
 
@@ -275,7 +275,7 @@ class CircleMap:
         ([0.0, 3.141593], 1.0)
         """
         whole = whole_number("degree", degree)
-        given = listed_branches(branches)
+        given = list(branches) if isinstance(branches, Iterable) else branches
         lift, breaks = lift_from_branches(given, whole)
         options = {"breaks": breaks, "degree": whole, "max_error": max_error}
         made = cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)

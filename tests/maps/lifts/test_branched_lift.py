@@ -81,8 +81,8 @@ def one(x):
 
 
 BAD_BRANCHES = {
-    "is empty": [],
-    "give a list": 3,
+    r"is \[\]: give a list .* at least one": [],
+    "is 3: give a list": 3,
     r"branch 0 is \(0, 1\)": [(0, 1)],
     "branch 1 starts at 2.5 but branch 0 ends at 2: a gap of 0.5": [(0, 2, one, None), (2.5, TWO_PI, one, None)],
     "an overlap of 0.25": [(0, 2, one, None), (1.75, TWO_PI, one, None)],
