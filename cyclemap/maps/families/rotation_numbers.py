@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -243,11 +242,6 @@ class RotationPlane:
     folded: Mask
     tolerance: float
 
-    def locked(self, row: int, column: int) -> Fraction | None:
-        """p/q where it is proved, else None."""
-        period = int(self.period[row, column])
-        return Fraction(int(self.winding[row, column]), period) if period else None
-
 
 def rotation_plane(
     family: Callable[..., CircleMap], first_values: Any, second_values: Any, tolerance: float = 1e-3
@@ -265,8 +259,8 @@ def rotation_plane(
     finite or not monotone, and for a map that is no CircleMap of degree 1.
 
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
-    >>> plane.period.tolist(), plane.locked(1, 1)
-    ([[1, 1], [2, 2]], Fraction(1, 2))
+    >>> plane.period.tolist(), plane.winding.tolist()
+    ([[1, 1], [2, 2]], [[0, 0], [1, 1]])
     """
     if not callable(family):
         raise InvalidInput(f"family is {family!r}: give a callable of two parameters that gives a CircleMap")

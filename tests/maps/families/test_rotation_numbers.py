@@ -159,7 +159,6 @@ def test_folded_maps_show_their_rotation_interval(family):
     np.testing.assert_allclose(plane.upper[:, 1], [1 / 2, 5 / 6], atol=1e-15)
     assert np.all((plane.lower <= plane.value) & (plane.value <= plane.upper))
     assert np.all(plane.period[:, 1] == 0)
-    assert plane.locked(0, 1) is None
 
 
 @pytest.mark.parametrize(
