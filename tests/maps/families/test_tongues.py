@@ -241,6 +241,11 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
         (lambda p: CircleMap.arnold(-p, 0.9), 0, (-0.5, 0.5), "the family falls"),
         (lambda p: CircleMap.arnold(p + 0.3 * np.sin(40 * p), 0.9), (1, 3), (-0.5, 1.0), "the family falls"),
         (lambda p: CircleMap(lambda x: 2 * x + p, degree=2), 0, (-0.5, 0.5), "degree 2"),
+        (lambda p: p + 1.0, 0, (-1.0, 1.0), r"family\(-1\) is 0\.0: it must return a CircleMap"),
+        (3.0, 0, (-1.0, 1.0), "give a callable"),
+        (CircleMap.rigid, 0, (1.0, 1.0), "low end must lie below"),
+        (CircleMap.rigid, 0, 1.0, "give a pair"),
+        (CircleMap.rigid, 0, (0.0, np.nan), "finite number"),
     ],
 )
 def test_what_has_no_tongue_is_refused(family, ratio, within, words):

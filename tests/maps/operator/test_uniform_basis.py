@@ -78,14 +78,10 @@ def stationary(basis):
 
 
 @pytest.mark.parametrize("h", [0.126, 0.9, 4.0, 7.5])
-def test_a_rotation_keeps_the_uniform_law_and_has_the_noises_coefficients_as_moduli(h):
+def test_a_rotation_keeps_the_uniform_law(h):
     basis = uniform_discretisation(CircleMap.rigid(0.3), UniformNoise(h))
     law = stationary(basis)
     np.testing.assert_allclose(basis.evaluate(np.linspace(-9, 9, 50)) @ law, 1 / TWO_PI, rtol=1e-12)
-    found = np.sort(np.abs(np.linalg.eigvals(basis.matrix)))[::-1][:7]
-    m = np.repeat(np.arange(1, 40), 2)
-    exact = np.sort(np.append(1.0, np.abs(np.sin(m * h) / (m * h))))[::-1][:7]
-    np.testing.assert_allclose(found, exact, rtol=0, atol=2e-9)
 
 
 def test_a_map_that_is_constant_on_two_arcs_has_a_law_of_two_boxes():
