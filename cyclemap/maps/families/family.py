@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -163,12 +163,7 @@ class ParameterTangent:
     weights: tuple[float, ...]
     step: float
     motions: tuple[Array, ...]
-
-    @cached_property
-    def break_rates(self) -> Array:
-        """Shape (breaks,), radians a unit of p."""
-        weighted = [weight * motion for weight, motion in zip(self.weights, self.motions, strict=True)]
-        return np.asarray(np.sum(weighted, axis=0) / self.step)
+    break_rates: Array
 
     def __call__(self, theta: Any) -> Array:
         """∂F/∂p at ``theta`` (radians)."""
@@ -209,7 +204,8 @@ def parameter_tangent(family: Family, p: float, step: float, within: Range) -> P
     member = family_member(family, p)
     members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
     motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
-    return ParameterTangent(member, p, members, weights, step, motions)
+    rates = np.asarray(np.tensordot(weights, motions, 1) / step)
+    return ParameterTangent(member, p, members, weights, step, motions, rates)
 
 
 def break_motion(breaks: Array, moved: Array) -> Array:

@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, basins, fixed_points, periodic_orbits
-from tests.maps.known_maps import contraction, logistic
+from tests.maps.known_maps import DOUBLING, contraction, logistic
 
 TWO_PI = 2 * np.pi
 
@@ -122,8 +122,7 @@ def test_more_arcs_leave_less_undecided_and_the_first_ones_stand():
 
 
 def test_where_nothing_is_stable_there_is_no_basin():
-    doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
-    assert basins(doubling, max_period=4) == ()
+    assert basins(DOUBLING, max_period=4) == ()
     assert basins(CircleMap.rigid(0.1234), max_period=3) == ()
     assert [p.kind for p in fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))] == ["saddle-node"]
     assert basins(CircleMap.arnold(0.9 / TWO_PI, 0.9), max_period=2) == ()
