@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import nearest_on_circle
 from cyclemap.maps.lifts.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
 
 RESOLUTION = 512  # cells a turn, at least
@@ -141,8 +142,8 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     for _ in range(cells.period - 1 if image.size else 0):
         stretch = stretch * np.abs(circle_map.derivative(image))
         image = np.mod(circle_map(image), TWO_PI)
-        mate = nearest_on_circle(nodes, image)
-        same = (np.abs(shorter_way(nodes[mate] - image)) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
+        near, mate = nearest_on_circle(nodes, image)
+        same = (np.abs(near - image) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
         raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
     allowed = raised
     tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
@@ -152,14 +153,6 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
 
 def _gap(g: Array) -> Array:
     return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
-
-
-def nearest_on_circle(nodes: Array, theta: Array) -> Whole:
-    """Index of the sorted node in [0, 2π) nearest to each angle of [0, 2π], the short way round."""
-    around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
-    above = np.clip(np.searchsorted(around, theta), 1, around.size - 1)
-    pick = np.where(theta - around[above - 1] <= around[above] - theta, above - 1, above)
-    return np.asarray((pick - 1) % nodes.size)
 
 
 def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:

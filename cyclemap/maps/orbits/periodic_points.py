@@ -13,7 +13,7 @@ from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import SNAP
+from cyclemap.maps.lifts.lift_checks import nearest_on_circle
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
@@ -21,7 +21,6 @@ from cyclemap.maps.orbits.diagonal import (
     JumpCrossing,
     diagonal_scan,
     displacement,
-    nearest_on_circle,
 )
 
 NEUTRAL = 1e-7
@@ -186,8 +185,8 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
     if theta.size == 0:
         return np.zeros(0, dtype=np.int64)
     image = np.mod(circle_map(theta), TWO_PI)
-    nearest = nearest_on_circle(theta, image)
-    away = np.abs(shorter_way(image - theta[nearest]))
+    near, nearest = nearest_on_circle(theta, image)
+    away = np.abs(image - near)
     allowed = _LINKED + 4.0 * np.minimum(np.abs(circle_map.derivative(theta)) * bound + bound[nearest], 1e-3)
     return np.where(away <= allowed, nearest, -1)
 
@@ -232,15 +231,12 @@ def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     """F' from the right and from the left; angles next to a break count as lying on it."""
-    plain = np.asarray(circle_map.derivative(theta))
-    if circle_map.breaks.size == 0 or theta.size == 0:
+    if circle_map.breaks.size == 0:
+        plain = circle_map.derivative(theta)
         return plain, plain
-    nearest = circle_map.breaks[nearest_on_circle(circle_map.breaks, theta)]
-    on = np.flatnonzero(np.abs(shorter_way(theta - nearest)) <= max(_LINKED, SNAP))
-    right, left = plain.copy(), plain.copy()
-    if on.size:
-        right[on], left[on] = circle_map.derivative(nearest[on], 1), circle_map.derivative(nearest[on], -1)
-    return right, left
+    near, _ = nearest_on_circle(circle_map.breaks, theta)
+    theta = np.where(np.abs(near - theta) <= _LINKED, near, theta)
+    return circle_map.derivative(theta, 1), circle_map.derivative(theta, -1)
 
 
 _SAME = 1e-6  # radians: an orbit followed by iteration is closed when it comes back this near
