@@ -199,6 +199,13 @@ def tent(p):
     return CircleMap(lift, None, breaks=[0.0, np.pi])
 
 
+def test_each_kind_of_bifurcation_has_a_list_of_its_own():
+    [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.5, 2.5), resolution=2)
+    assert flip.parameter.holds(np.hypot(2.0, 0.2 * np.pi))
+    [corner] = border_collisions(tent, (-0.5, 0.5), resolution=3)
+    assert corner.parameter.holds(0.0)
+
+
 @pytest.mark.slow
 def test_a_tent_loses_its_fixed_points_in_two_folding_border_collisions():
     found = border_collisions(tent, (-2.0, 1.0))
