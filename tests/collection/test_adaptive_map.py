@@ -82,7 +82,7 @@ def test_kinks_are_kept_and_located():
     circle = sampled(kinked, 1e-6)
     np.testing.assert_allclose(circle.breaks, [1.3, 4.4], atol=1e-5)
     assert circle.jumps()[0].size == 0
-    slope = (circle.left_derivative(circle.breaks), circle.right_derivative(circle.breaks))
+    slope = (circle.derivative(circle.breaks, -1), circle.derivative(circle.breaks, 1))
     np.testing.assert_allclose(np.abs(slope[0] - slope[1]), abs(kinked(0.0)[1] - 0.5), atol=1e-6)
     theta = np.random.default_rng(3).uniform(0.0, FULL_TURN, 1000)
     assert worst_error(circle, kinked, theta) <= circle.max_error <= 1e-6

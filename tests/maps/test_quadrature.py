@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import CircleMap
-from cyclemap.maps.quadrature import circle_rule, graded_rule
+from cyclemap.maps.quadrature import circle_rule
 
 
 @pytest.mark.parametrize("breaks", [(), (1.0,), (0.0,), (3.0, 3.1, 6.28)])
@@ -15,13 +15,3 @@ def test_rule_is_exact_for_harmonics_and_for_steps_at_breaks(breaks) -> None:
     assert weight @ np.cos(17 * theta) ** 2 == pytest.approx(np.pi, abs=1e-11)
     for place in breaks:
         assert weight @ (theta < place) == pytest.approx(place, abs=1e-12)
-
-
-@pytest.mark.parametrize("strength", [1.5, 3.0])
-def test_graded_rules_integrate_the_logarithm_at_folds(strength):
-    """∫ ln|1 - K cos θ| dθ = 2π ln(K/2) for K > 1 (Jensen's formula)."""
-    folded = CircleMap.arnold(0.2, strength)
-    for finer in (1, 2):
-        theta, weight = graded_rule(folded, 10, finer)
-        total = weight @ np.log(np.maximum(np.abs(folded.derivative(theta)), 1e-18))
-        assert total == pytest.approx(2 * np.pi * np.log(strength / 2), abs=2e-13)

@@ -12,7 +12,6 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.family import Family, Range, break_motion, family_member, parameter_range
 from cyclemap.maps.families.orbit_equations import (
     Bifurcation,
-    Collision,
     OrbitEquations,
     OrbitState,
     border_collision,
@@ -71,12 +70,13 @@ class BranchWalk:
             solved = self.equations.solved_along(guess, self.direction)
         hit = self._collision(guess, solved)
         if hit is not None:
-            self.special.append(hit.bifurcation)
-            self.states.append(hit.state if hit.beyond is None else hit.beyond)
-            if hit.outward is None:
+            record, state, outward = hit
+            self.special.append(record)
+            self.states.append(state)
+            if outward is None:
                 self.reason = "jump"
             else:
-                self.direction, self.step = hit.outward, min(self.step, _FIRST)
+                self.direction, self.step = outward, min(self.step, _FIRST)
         elif solved is None or not self._accepted(solved):
             self.step *= 0.5
         elif room <= self.step:
@@ -98,12 +98,12 @@ class BranchWalk:
             or self._crossed(self._angles(there), solved) is not None
         ):
             return False
-        before, half = self.states[-1], self.equations.period // 2
+        before, half = self.states[-1], self.equations.hops.size // 2
         # Through an orbit of half the period, where the two halves change places?
         old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
         gap = shorter_way(old)
         ahead = gap + new - old
-        if self.equations.period == 2 * half and (float(gap @ ahead) <= 0.0 or float(np.max(np.abs(ahead))) < 1e-9):
+        if self.equations.hops.size == 2 * half and (float(gap @ ahead) <= 0.0 or float(np.max(np.abs(ahead))) < 1e-9):
             self.reason = "half the period"
             return True
         for target in (1.0, -1.0):
@@ -123,7 +123,7 @@ class BranchWalk:
         if len(self.states) < 6 or abs(before.parameter - self.first.parameter) > reach:
             return None
         step = self.equations.point(solved) - self.equations.point(before)
-        for k in range(self.equations.period):
+        for k in range(self.equations.hops.size):
             back = shorter_way(np.roll(self.first.theta, -k) - before.theta)
             offset = np.append(back, self.first.parameter - before.parameter) / self.equations.scales
             share = float(offset @ step) / float(step @ step)
@@ -141,7 +141,9 @@ class BranchWalk:
         member = state.member if state is not None else self.states[-1].member
         return crossed_break(self.states[-1], theta, break_motion(self.states[-1].member.breaks, member.breaks))
 
-    def _collision(self, guess: Array, solved: OrbitState | None) -> Collision | None:
+    def _collision(
+        self, guess: Array, solved: OrbitState | None
+    ) -> tuple[Bifurcation, OrbitState, Array | None] | None:
         """The collision with a break on this step, whether the step or only its prediction crosses it."""
         reached = guess if solved is None else self.equations.point(solved)
         crossed = self._crossed(self._angles(reached), solved) or self._crossed(self._angles(guess), None)
@@ -154,7 +156,7 @@ class BranchWalk:
         found = border_collision(self.equations, self.states[-1], (self._angles(near), p), point, which)
         if found is None:
             return None
-        offset = self.equations.point(found.state) - here
+        offset = self.equations.point(found[1]) - here
         ahead = float(offset @ self.direction) > 0.0
         return found if ahead and float(np.linalg.norm(offset)) <= 2.0 * self.step else None
 
@@ -266,7 +268,7 @@ def _branch(
         multiplier,
         np.abs(multiplier) < 1.0,
         tuple(special),
-        equations.period,
+        equations.hops.size,
         equations.winding,
         ends,
         float(np.max(np.abs(residuals))),
@@ -353,13 +355,6 @@ def bifurcations(
     return sorted(kept, key=lambda found: float(found.parameter))
 
 
-def _of_kind(
-    kind: str, family: Family, parameters: Range, period: int, winding: int, resolution: int
-) -> list[Bifurcation]:
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == kind]
-
-
 def saddle_nodes(
     family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
 ) -> list[Bifurcation]:
@@ -370,7 +365,8 @@ def saddle_nodes(
     >>> birth.parameter.holds(0.2 * np.pi)
     True
     """
-    return _of_kind("saddle-node", family, parameters, period, winding, resolution)
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "saddle-node"]
 
 
 def period_doublings(
@@ -383,7 +379,8 @@ def period_doublings(
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
     True
     """
-    return _of_kind("period-doubling", family, parameters, period, winding, resolution)
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "period-doubling"]
 
 
 def border_collisions(
@@ -397,4 +394,5 @@ def border_collisions(
     >>> [(one.folds, bool(one.parameter.holds(0.0))) for one in border_collisions(tent, (-1.0, 1.0))]
     [(True, True)]
     """
-    return _of_kind("border-collision", family, parameters, period, winding, resolution)
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "border-collision"]

@@ -61,14 +61,10 @@ class OrbitEquations:
     within: Range
 
     @property
-    def period(self) -> int:
-        """n."""
-        return int(self.hops.size)
-
-    @property
     def scales(self) -> Array:
         """Radians, and units of the parameter, to a unit of the scaled space."""
-        return np.append(np.full(self.period, np.sqrt(self.period)), self.within[1] - self.within[0])
+        period = self.hops.size
+        return np.append(np.full(period, np.sqrt(period)), self.within[1] - self.within[0])
 
     def push(self, p: float) -> ParameterTangent:
         """∂F/∂p at ``p``."""
@@ -81,7 +77,7 @@ class OrbitEquations:
 
     def jacobian(self, slopes: Array) -> Array:
         """(n, n): derivative of the residual with respect to θ."""
-        return np.diag(slopes) - np.roll(np.eye(self.period), 1, axis=1)
+        return np.diag(slopes) - np.roll(np.eye(self.hops.size), 1, axis=1)
 
     def point(self, state: OrbitState) -> Array:
         """The state in the scaled space."""
@@ -109,41 +105,35 @@ class OrbitEquations:
 
     def solved_along(self, guess: Array, direction: Array) -> OrbitState | None:
         """The orbit nearest to ``guess`` across ``direction`` (both scaled), or None (Keller 1977)."""
-        if not self._inside(guess):
+        low, high = self.within
+        slack, span = 1e-12 * (high - low), high - low
+        if not low - slack <= guess[-1] * span <= high + slack:
             return None
-        tangent = self.push(self._parameter(guess))
+        tangent = self.push(float(np.clip(guess[-1] * span, low, high)))
         at, last, point = tangent.member, np.inf, guess
         for _ in range(_ITERATIONS):
             theta = point[:-1] * self.scales[:-1]
             residual = self.residual(at(theta), theta)
-            system = np.vstack([self._bordered(at.derivative(theta), tangent(theta)), direction])
-            moved = _solved(system, -np.append(residual, direction @ (point - guess)))
+            bordered = np.column_stack([self.jacobian(at.derivative(theta)), tangent(theta)]) * self.scales
+            moved = _solved(np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess)))
             size, point = float(np.max(np.abs(moved))), point + moved
-            if not size < _LONGEST or not self._inside(point):
+            if not size < _LONGEST or not low - slack <= point[-1] * span <= high + slack:
                 return None
-            at = family_member(self.family, self._parameter(point))
+            p = float(np.clip(point[-1] * span, low, high))
+            at = family_member(self.family, p)
             if size <= _CLOSE or (size < 1e-9 and size > 0.25 * last):
                 theta = point[:-1] * self.scales[:-1]
-                return replace(self.state(self._parameter(point), theta, at), push=tangent(theta))
+                return replace(self.state(p, theta, at), push=tangent(theta))
             last = size
         return None
 
-    def _parameter(self, point: Array) -> float:
-        return float(np.clip(point[-1] * self.scales[-1], *self.within))
-
-    def _inside(self, point: Array) -> bool:
-        slack = 1e-12 * self.scales[-1]
-        return bool(self.within[0] - slack <= point[-1] * self.scales[-1] <= self.within[1] + slack)
-
-    def _bordered(self, slopes: Array, push: Array) -> Array:
-        return np.asarray(np.column_stack([self.jacobian(slopes), push]) * self.scales)
-
     def direction(self, slopes: Array, push: Array, along: Array | None = None) -> Array:
         """The unit tangent of the branch in the scaled space, turned towards ``along``."""
+        bordered = np.column_stack([self.jacobian(slopes), push]) * self.scales
         if along is not None:
-            unit = _solved(np.vstack([self._bordered(slopes, push), along]), np.append(np.zeros(self.period), 1.0))
+            unit = _solved(np.vstack([bordered, along]), np.append(np.zeros(self.hops.size), 1.0))
             return np.asarray(unit / np.linalg.norm(unit))
-        _, _, rows = np.linalg.svd(self._bordered(slopes, push))
+        _, _, rows = np.linalg.svd(bordered)
         return np.asarray(rows[-1])
 
 
@@ -245,7 +235,7 @@ def smooth_bifurcation(
             solved = equations.solved_along(equations.point(before) + s * direction, direction)
             if solved is None:
                 raise ConvergenceError(
-                    f"the orbit of period {equations.period} near parameter {before.parameter:.9g} was lost while "
+                    f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost while "
                     f"its multiplier was brought to {target:g}"
                 )
             found[s] = solved
@@ -313,108 +303,64 @@ def recorded(
 _BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
 
 
-@dataclass(frozen=True, eq=False)
-class Collision:
-    """A point of an orbit on a break of the map.
+def _one_sided(
+    equations: OrbitEquations, tangent: ParameterTangent, theta: Array, point: int, side: int
+) -> tuple[OrbitState, Array, Array, Array]:
+    """The orbit with θ_point on a break, the map there that of one side (-1 below, 1 above).
 
-    state : the orbit there, slopes of the side it came from. bifurcation : the record.
-    beyond : the same with the slopes of the far side, None at a jump.
-    outward : the scaled direction in which the branch leaves on the far side, None at a jump.
+    Its state, the residual of its equations, ∂F/∂p, and the derivative of θ_point - break with respect to (θ, p).
     """
-
-    state: OrbitState
-    bifurcation: Bifurcation
-    beyond: OrbitState | None
-    outward: Array | None
-
-
-@dataclass(frozen=True, eq=False)
-class _OneSided:
-    """An orbit with one point held on a break, the map there being that of one side (-1 below, 1 above)."""
-
-    equations: OrbitEquations
-    tangent: ParameterTangent
-    theta: Array
-    point: int
-    side: int
-
-    @property
-    def member(self) -> CircleMap:
-        """The family's map at the parameter."""
-        return self.tangent.member
-
-    def residual(self) -> Array:
-        images = np.array(self.member(self.theta))
-        images[self.point] = limit_at_break(self.member, self.theta[self.point], self.side)
-        return self.equations.residual(images, self.theta)
-
-    def state(self) -> OrbitState:
-        slopes = np.array(self.member.derivative(self.theta))
-        limit = self.member.right_derivative if self.side > 0 else self.member.left_derivative
-        slopes[self.point] = limit(self.theta[self.point])
-        return OrbitState(self.tangent.parameter, self.theta, self.member, slopes)
-
-    def push(self) -> Array:
-        beside = np.array(self.theta)
-        beside[self.point] -= _BESIDE * (self.side < 0)
-        return self.tangent(beside)
-
-    def condition(self) -> Array:
-        """Derivative of θ_point - break with respect to (θ, p)."""
-        gaps = np.abs(shorter_way(self.theta[self.point] - self.member.breaks))
-        rate = self.tangent.break_rates[int(np.argmin(gaps))]
-        return np.append(np.arange(self.theta.size) == self.point, -rate)
+    member, beside, at = tangent.member, np.array(theta), theta[point]
+    images, slopes = np.array(member(theta)), np.array(member.derivative(theta))
+    images[point] = limit_at_break(member, at, side)
+    slopes[point] = member.derivative(at, side)
+    beside[point] -= _BESIDE * (side < 0)
+    rate = tangent.break_rates[int(np.argmin(np.abs(shorter_way(at - member.breaks))))]
+    condition = np.append(np.arange(theta.size) == point, -rate)
+    state = OrbitState(tangent.parameter, theta, member, slopes)
+    return state, equations.residual(images, theta), tangent(beside), condition
 
 
 def border_collision(
     equations: OrbitEquations, before: OrbitState, near: tuple[Array, float], point: int, which: int
-) -> Collision | None:
+) -> tuple[Bifurcation, OrbitState, Array | None] | None:
     """The collision of θ_point with the break ``which`` of ``before``, near (θ, p); None when there is none.
 
     Newton's method on the extended system: the orbit's equations with the map of the side it comes from, and
-    θ_point on the break, which itself moves with the parameter.
+    θ_point on the break, which itself moves with the parameter. Returned are the record, the orbit there, beyond a
+    kink with the slopes of the far side, and the scaled direction in which the branch leaves there, None at a jump.
     """
     gap = float(shorter_way(before.theta[point] - before.member.breaks[which]))
-    theta, p, last = np.array(near[0]), near[1], np.inf
+    side, theta, p, last = 1 if gap > 0.0 else -1, np.array(near[0]), near[1], np.inf
     for _ in range(_ITERATIONS):
         if not equations.within[0] <= p <= equations.within[1]:
             return None
         tangent = equations.push(p)
         theta[point] = before.theta[point] - gap + break_motion(before.member.breaks, tangent.member.breaks)[which]
-        held = _OneSided(equations, tangent, theta, point, 1 if gap > 0.0 else -1)
-        jacobian = equations.jacobian(held.state().slopes)
-        extended = np.vstack([np.column_stack([jacobian, held.push()]), held.condition()])
+        state, residual, push, condition = _one_sided(equations, tangent, theta, point, side)
+        extended = np.vstack([np.column_stack([equations.jacobian(state.slopes), push]), condition])
         try:
-            moved = np.linalg.solve(extended, -np.append(held.residual(), 0.0))
+            moved = np.linalg.solve(extended, -np.append(residual, 0.0))
         except np.linalg.LinAlgError:
             return None
         size = float(np.max(np.abs(moved)))
         if size <= 1e-14 or (size < 1e-10 and size > 0.25 * last):
-            return _collision(held)
+            break
         if not size < 1.0:
             return None
         theta, p, last = theta + moved[:-1], p + float(moved[-1]), size
-    return None
-
-
-def _collision(held: _OneSided) -> Collision:
-    state, far, at = held.state(), replace(held, side=-held.side), held.theta[held.point]
-    jump = bool(abs(float(held.member.right(at) - held.member.left(at))) > JUMP)
-    sides = {held.side: state.multiplier, far.side: far.state().multiplier}
-    bifurcation = recorded(
-        "border-collision",
-        held.equations,
-        state,
-        held.push(),
-        held.condition(),
-        np.append(held.residual(), 0.0),
-        multipliers=(sides[1], sides[-1]),
-        first=held.point,
-        jump=jump,
+    else:
+        return None
+    beyond, _, far_push, far_condition = _one_sided(equations, tangent, theta, point, -side)
+    jump = bool(abs(float(state.member.right(theta[point]) - state.member.left(theta[point]))) > JUMP)
+    right, left = (state, beyond) if side > 0 else (beyond, state)
+    sides = right.multiplier, left.multiplier
+    whole = np.append(residual, 0.0)
+    record = recorded(
+        "border-collision", equations, state, push, condition, whole, multipliers=sides, first=point, jump=jump
     )
     if jump:
-        return Collision(state, bifurcation, None, None)
-    beyond = far.state()
-    outward = held.equations.direction(beyond.slopes, far.push())
-    leaving = far.side * float(far.condition() @ (outward * held.equations.scales))
-    return Collision(state, bifurcation, beyond, outward if leaving >= 0.0 else -outward)
+        return record, state, None
+    outward = equations.direction(beyond.slopes, far_push)
+    leaving = -side * float(far_condition @ (outward * equations.scales))
+    return record, beyond, outward if leaving >= 0.0 else -outward

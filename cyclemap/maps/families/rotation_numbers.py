@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -20,8 +19,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.envelopes import is_nondecreasing
 from cyclemap.maps.orbits.rotation_number import rotation_number
 
-_CHUNK = 12_288  # maps at once: many enough to hide the cost of calls, few enough for the caches
-_EARLY = 96  # cycles after which the few maps left of all pieces are put together anew
+_CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enough for the caches
 # After so many cycles: the longest period tried for locking, and how far beside the orbit, radians over the period.
 _TRIALS = (
     *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
@@ -91,11 +89,16 @@ def rotation_numbers(
     # Bounds p/n as floats, moved outward by the rounding of that division.
     lower = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
     upper = np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
-    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
-    period, winding = period.reshape(shape), winding.reshape(shape)
-    for whole in (period, winding):
-        whole.setflags(write=False)
+    value, lower, upper, period, winding = _shaped(shape, value, lower, upper, period, winding)
     return RotationNumbers(value, lower, upper, period, winding, wanted)
+
+
+def _shaped(shape: tuple[int, ...], *arrays: Any) -> list[Any]:
+    """The arrays in this shape, for reading only."""
+    shaped = [array.reshape(shape) for array in arrays]
+    for array in shaped:
+        array.setflags(write=False)
+    return shaped
 
 
 def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, workers: int) -> tuple[Array, Array]:
@@ -103,18 +106,25 @@ def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, w
     size = parameters[0].size
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
 
-    def begun(at: int) -> _Orbits:
-        orbits = _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
-        return _advanced(orbits, early, tolerance, lower, upper)
-
     # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
     most = int(np.floor(1.0 / tolerance)) + 2
     looks = [*(look for look in _LOOKS if look < most), *range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
-    early, late = [n for n in looks if n <= _EARLY], [n for n in looks if n > _EARLY]
+    width = 2.0 * tolerance * (1.0 - 1e-9)  # a little less, so that rounding outward keeps to the tolerance
+
+    def advance(at: int) -> None:
+        """Go on through the looks with one chunk of the maps, writing the bounds to their places."""
+        orbits = _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
+        for look in looks:
+            orbits.run_to(look)
+            for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
+                orbits.try_locking(width, longest, beside)
+            lower[orbits.place], upper[orbits.place] = orbits.lower, orbits.upper
+            orbits = orbits.those(orbits.upper - orbits.lower > width)
+            if orbits.place.size == 0:
+                break
+
     with ThreadPoolExecutor(workers) as pool:
-        left = list(pool.map(begun, range(0, size, _CHUNK)))
-        if late and left:
-            list(pool.map(lambda orbits: _advanced(orbits, late, tolerance, lower, upper), _rechunked(left)))
+        list(pool.map(advance, range(0, size, _CHUNK)))
     if np.any(lower > upper):
         raise ConvergenceError("bounds contradict each other: the lift is computed worse than its max_error says")
     return lower, upper
@@ -195,33 +205,6 @@ def _begun(family: ParametricLift, parameters: list[Array], first: int) -> _Orbi
     return _Orbits(family, parameters, push, theta, turns, low, high, place)
 
 
-def _advanced(orbits: _Orbits, looks: list[int], tolerance: float, lower: Array, upper: Array) -> _Orbits:
-    """Go on through the looks, writing the bounds to their places; what is left of the maps in the end."""
-    width = 2.0 * tolerance * (1.0 - 1e-9)  # a little less, so that rounding outward keeps to the tolerance
-    for look in looks:
-        if orbits.place.size == 0:
-            break
-        orbits.run_to(look)
-        for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
-            orbits.try_locking(width, longest, beside)
-        lower[orbits.place], upper[orbits.place] = orbits.lower, orbits.upper
-        orbits = orbits.those(orbits.upper - orbits.lower > width)
-    return orbits
-
-
-def _rechunked(parts: list[_Orbits]) -> list[_Orbits]:
-    """The maps left in many small pieces, put together into few large ones."""
-    parameters = [np.concatenate(values) for values in zip(*(part.parameters for part in parts), strict=True)]
-    push, theta, turns, lower, upper, place = (
-        np.concatenate([getattr(part, name) for part in parts], axis=-1)
-        for name in ("push", "theta", "turns", "lower", "upper", "place")
-    )
-    cycles = max(part.cycles for part in parts)
-    whole = _Orbits(parts[0].family, parameters, push, theta, turns, lower, upper, place, cycles)
-    index = np.arange(place.size) // _CHUNK
-    return [whole.those(index == k) for k in range(-(-place.size // _CHUNK))]
-
-
 def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
     """The least q ≤ longest with some p/q in [lower, upper], else 0."""
     period = np.zeros(lower.shape, dtype=np.int64)
@@ -259,11 +242,6 @@ class RotationPlane:
     folded: Mask
     tolerance: float
 
-    def locked(self, row: int, column: int) -> Fraction | None:
-        """p/q where it is proved, else None."""
-        period = int(self.period[row, column])
-        return Fraction(int(self.winding[row, column]), period) if period else None
-
 
 def rotation_plane(
     family: Callable[..., CircleMap], first_values: Any, second_values: Any, tolerance: float = 1e-3
@@ -281,8 +259,8 @@ def rotation_plane(
     finite or not monotone, and for a map that is no CircleMap of degree 1.
 
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
-    >>> plane.period.tolist(), plane.locked(1, 1)
-    ([[1, 1], [2, 2]], Fraction(1, 2))
+    >>> plane.period.tolist(), plane.winding.tolist()
+    ([[1, 1], [2, 2]], [[0, 0], [1, 1]])
     """
     if not callable(family):
         raise InvalidInput(f"family is {family!r}: give a callable of two parameters that gives a CircleMap")
@@ -310,12 +288,9 @@ def rotation_plane(
         if one.locked is not None:
             period[place], winding[place] = one.locked.denominator, one.locked.numerator
         folded[place] = not is_nondecreasing(member)
-    shape = (first.size, second.size)
-    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
-    period, winding, folded = period.reshape(shape), winding.reshape(shape), folded.reshape(shape)
-    for part in (period, winding, folded):
-        part.setflags(write=False)
-    return RotationPlane(read_only(first), read_only(second), value, lower, upper, period, winding, folded, wanted)
+    shape, axes = (first.size, second.size), (read_only(first), read_only(second))
+    value, lower, upper, period, winding, folded = _shaped(shape, value, lower, upper, period, winding, folded)
+    return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)
 
 
 def _axis(name: str, values: Any) -> Array:

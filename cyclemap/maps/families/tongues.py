@@ -30,6 +30,7 @@ from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians
+_CLOSE = 4.0 * EPS  # relative: the least that Brent's method takes
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
@@ -39,22 +40,17 @@ _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _QUARTIC = np.linalg.solve(np.vander(_QUARTERS).T, np.vander(np.linspace(0.0, 1.0, 33), 5).T)
 
 
-@dataclass(frozen=True)
-class Extremum:
-    """The largest (or least) value of F^q - id - 2πp, radians, and where it is taken."""
-
-    value: float
-    theta: float
+Extremum = tuple[float, float]  # the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
 
 
 def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, marks: Sequence[float] = ()) -> Extremum:
-    """The largest (``sign`` 1) or least (-1) value of F^q - id - 2πp over the circle.
+    """The largest (``sign`` 1) or least (-1) value of F^q - id - 2πp over the circle, and where.
 
     Taken from the ends of the scanner's cells, ``marks`` among them, and from both sides of the map's own breaks:
     these alone when the sign there is the wanted one already. Of a nondecreasing map this gives the right sign even
     where the extremum lies at a break of the iterate: the sign is the same all along an orbit.
     """
-    breaks, found = circle_map.breaks, Extremum(-np.inf, 0.0)
+    breaks, highest, at = circle_map.breaks, -np.inf, 0.0
     if breaks.size:
         image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
         lap = np.rint(image / TWO_PI)
@@ -62,14 +58,15 @@ def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, ma
         rest, _, _ = displacement(circle_map, image, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64))
         values = sign * (rest + (image - breaks))
         best = int(np.argmax(values))
-        found = Extremum(float(values.flat[best]), float(breaks[best % breaks.size]))
-    if found.value < 0.0:
+        highest, at = float(values.flat[best]), float(breaks[best % breaks.size])
+    if highest < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
         values = sign * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
-        best = int(np.argmax(np.append(values, found.value)))
-        found = Extremum(float(values[best]), float(theta[best])) if best < theta.size else found
-    return Extremum(sign * found.value, found.theta)
+        best = int(np.argmax(np.append(values, highest)))
+        if best < theta.size:
+            highest, at = float(values[best]), float(theta[best])
+    return sign * highest, at
 
 
 def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
@@ -79,7 +76,7 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     cells which that leaves room above 0 are cut, whatever the slopes and breaks there. Once ``_CELLS`` of them are
     left, those whose five values a quartic meets to rounding count with its largest value: measured, not proved.
     """
-    start, width, found = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK, TWO_PI / _FIRST_LOOK, Extremum(0.0, 0.0)
+    start, width, found = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK, TWO_PI / _FIRST_LOOK, (0.0, 0.0)
     smooth_ones_count = False
     while start.size:
         theta = start[:, None] + width * _QUARTERS
@@ -94,20 +91,10 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
         if 4 * np.count_nonzero(left) > _MOST_CELLS or width < 1e-15:
             smooth, left = smooth | left, np.zeros_like(left)
         highest = int(np.argmax(np.where(smooth, height, 0.0)))
-        if smooth[highest] and height[highest] > found.value:
-            found = Extremum(float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))]))
+        if smooth[highest] and height[highest] > found[0]:
+            found = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
         start, width = (start[left, None] + width * _QUARTERS[:-1]).ravel(), 0.25 * width
     return found
-
-
-@dataclass(frozen=True)
-class Edge:
-    """An edge of a tongue: the parameter, a bound on its error, the angle of its orbit, whether the map folds."""
-
-    parameter: float
-    error: float
-    theta: float
-    folded: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +145,8 @@ class EdgeSearch:
                         f"{high:.9g}; tongue edges need a family that nowhere decreases (try the negative parameter)"
                     )
         trial = self.tried[p]
-        far = abs(trial.found.value) > _FAR
-        return trial.found.value / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
+        extremum, far = trial.found[0], abs(trial.found[0]) > _FAR
+        return extremum / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
 
     @property
     def _sign(self) -> float:
@@ -175,18 +162,23 @@ class EdgeSearch:
                     f"({low:.9g}, {high:.9g}): widen them"
                 )
 
-    def edge(self, low: float, high: float) -> Edge:
-        """The edge inside [low, high]; the ends must lie on its two sides."""
+    def edge(self, low: float, high: float) -> tuple[Estimate, float, bool]:
+        """The edge inside [low, high], the angle of its orbit, whether the map folds; the ends lie on its two sides."""
+        from scipy.optimize import brentq  # slow to import
+
         for _ in range(_SEARCHES):
-            below, above = bracketed_zero(self.value, low, high)
+            # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
+            brentq(lambda p: self.value(p) or 1e-300, low, high, xtol=2.0 * EPS * max(abs(low), abs(high)), rtol=_CLOSE)
+            below = max(p for p in self.tried if self.value(p) < 0.0)
+            above = min(p for p in self.tried if self.value(p) >= 0.0)
             parameter, beyond = (above, below) if self.side == "left" else (below, above)
             trial, outside = self.tried[parameter], self.tried[beyond].monotone
-            unseen = unseen_height(outside, self.ratio, self._sign)
+            unseen, where = unseen_height(outside, self.ratio, self._sign)
             q, p = self.ratio.denominator, np.asarray(self.ratio.numerator)
-            missed = displacement(outside, np.array(unseen.theta), q, p)[0]
-            if unseen.value == 0.0 or self._sign * missed <= 0.0:
+            missed = displacement(outside, np.array(where), q, p)[0]
+            if unseen == 0.0 or self._sign * missed <= 0.0:
                 break
-            self.marks.append(unseen.theta)
+            self.marks.append(where)
             self.tried.clear()
             self.require_inside()
             low, high = self.within
@@ -199,39 +191,17 @@ class EdgeSearch:
                 f"the orbits of rotation {self.ratio} do not move with the parameter at {parameter:.9g}"
             )
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
-        error = above - below + (LIFT * angle * disturbed + unseen.value) / moved + 2.0 * EPS * abs(parameter)
-        return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
+        error = above - below + (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(parameter)
+        return Estimate(parameter, error), trial.found[1] % TWO_PI, trial.monotone is not trial.member
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""
-        image, gained = np.array(trial.found.theta), 0.0
+        image, gained = np.array(trial.found[1]), 0.0
         for _ in range(self.ratio.denominator):
             gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
             image = trial.monotone(image)
             image = image - TWO_PI * np.rint(image / TWO_PI)
         return gained
-
-
-def bracketed_zero(value: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Parameters a < b a few roundings apart with value(a) < 0 <= value(b): the Illinois method, safeguarded.
-
-    Dowell & Jarratt (1971); a step that does not shrink the bracket to a quarter in three is a bisection.
-    """
-    at_low, at_high = value(low), value(high)
-    tolerance, widths, last = 2.0 * EPS * max(abs(low), abs(high)), [high - low], 0.0
-    while high - low > 2.0 * tolerance:
-        guess = low + (high - low) * (-at_low / (at_high - at_low))
-        if len(widths) > 3 and widths[-1] > 0.25 * widths[-4]:
-            guess, widths = 0.5 * (low + high), []
-        guess = min(max(guess, low + tolerance), high - tolerance)
-        found = value(guess)
-        if found < 0.0:
-            low, at_low, at_high = guess, found, at_high * (0.5 if last < 0.0 else 1.0)
-        else:
-            high, at_high, at_low = guess, found, at_low * (0.5 if last > 0.0 else 1.0)
-        last = -1.0 if found < 0.0 else 1.0
-        widths.append(high - low)
-    return low, high
 
 
 RESOLUTION = 128
@@ -311,9 +281,8 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
         search = EdgeSearch(family, wanted, side, within)
         search.require_inside()
         edges.append(search.edge(*within))
-    left, right = edges
-    first, last = (Estimate(edge.parameter, edge.error) for edge in edges)
-    return Tongue(wanted, first, last, left.theta, right.theta, left.folded or right.folded)
+    (left, left_theta, left_folds), (right, right_theta, right_folds) = edges
+    return Tongue(wanted, left, right, left_theta, right_theta, left_folds or right_folds)
 
 
 def rotation_ratio(ratio: Any) -> Fraction:
@@ -363,10 +332,10 @@ def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Rang
                     ):
                         reach *= _WIDENING
                         first, last = max(low, guess - reach), min(high, guess + reach)
-                edge = search.edge(first, last)
-                found[s, i, j] = edge.parameter, edge.error, edge.folded
+                edge, _, folded = search.edge(first, last)
+                found[s, i, j] = edge, edge.error_bound, folded
     (left, left_error), (right, right_error) = (
         tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found
     )
-    folded = np.any(found[..., 2] > 0.0, axis=0)
-    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
+    folds = np.any(found[..., 2] > 0.0, axis=0)
+    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folds)

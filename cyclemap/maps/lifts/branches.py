@@ -117,7 +117,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
         own, right = circle_map(start), circle_map.right(start)
         first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
         # The limit from below is read SIDE_STEP before the break: go on along the slope there.
-        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.left_derivative(end)
+        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
     following = np.append(first[1:], first[0] + cells.climb)
     smooth_after = np.abs(following - last) <= JUMP
     last[smooth_after] = following[smooth_after]
@@ -125,8 +125,8 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     direction = _directions(cells, first, last, smooth)
     cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
     cut, made = cut if cut.size else np.array([0]), []
-    for a, b in zip(cut, np.append(cut[1:], cut[0] + cells.size), strict=True):
-        lap, own_cells = np.divmod(np.arange(a, b), cells.size)
+    for a, b in zip(cut, np.append(cut[1:], cut[0] + cells.start.size), strict=True):
+        lap, own_cells = np.divmod(np.arange(a, b), cells.start.size)
         laps, sign = np.append(lap, lap[-1]), -1 if direction[a] < 0 else 1
         theta = np.append(cells.start[own_cells], cells.end[own_cells[-1]]) + TWO_PI * laps
         value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
@@ -149,7 +149,7 @@ def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
         if smooth[i]:
             direction[i] = direction[i - 1]
     for i in np.flatnonzero(direction == _UNKNOWN)[::-1]:
-        after = (i + 1) % cells.size
+        after = (i + 1) % cells.start.size
         direction[i] = direction[after] if smooth[after] else 0
     return np.where(direction == _UNKNOWN, 0, direction)
 

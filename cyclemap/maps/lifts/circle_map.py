@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from cmath import phase
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import atan2, cos, sin
 from typing import Any
@@ -27,7 +27,7 @@ from cyclemap.maps.lifts.lift_checks import (
     guarded,
     one_sided_limit,
 )
-from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches, listed_branches
+from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches
 
 Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
 
@@ -138,8 +138,10 @@ class CircleMap:
         angles = np.asarray(theta, dtype=np.float64)
         return self._lift(angles) - angles
 
-    def derivative(self, theta: Any) -> Array:
-        """F'(θ); at a break the derivative from the right."""
+    def derivative(self, theta: Any, side: int = 0) -> Array:
+        """F'(θ); at a break the derivative from the right, with ``side`` -1 or 1 its limit from below or above."""
+        if side:
+            return one_sided_limit(self.derivative, self.breaks, theta, side, 0)
         angles = np.asarray(theta, dtype=np.float64)
         if self._derivative is not None:
             return self._derivative(angles)
@@ -160,14 +162,6 @@ class CircleMap:
     def right(self, theta: Any) -> Array:
         """The limit of F from above at ``theta``."""
         return one_sided_limit(self._lift, self.breaks, theta, 1, self.degree)
-
-    def left_derivative(self, theta: Any) -> Array:
-        """The limit of F' from below at ``theta``."""
-        return one_sided_limit(self.derivative, self.breaks, theta, -1, 0)
-
-    def right_derivative(self, theta: Any) -> Array:
-        """The limit of F' from above at ``theta``."""
-        return one_sided_limit(self.derivative, self.breaks, theta, 1, 0)
 
     def jumps(self) -> tuple[Array, Array, Array]:
         """(breaks where F jumps, its limits from the left, its limits from the right); kinks are left out."""
@@ -233,15 +227,7 @@ class CircleMap:
         shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
         if not 0.0 <= r < 1.0:
             raise InvalidInput(f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any |a| < 1")
-        # As in _blaschke_forms, without its loop: this map is the one that orbits are followed for.
-        double, gap, top = 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)
-        return cls.with_scalar(
-            lambda x: (
-                x + shift + 2.0 * np.arctan2(double * (s := np.sin(0.5 * x)) * np.cos(0.5 * x), gap + double * s * s)
-            ),
-            lambda x: top / (gap * gap + 2.0 * double * np.sin(0.5 * x) ** 2),
-            lambda x: x + shift + 2.0 * atan2(double * (s := sin(0.5 * x)) * cos(0.5 * x), gap + double * s * s),
-        ).remade_by(cls.moebius, a, omega)
+        return cls.with_scalar(*_blaschke_forms((complex(r),), shift)).remade_by(cls.moebius, a, omega)
 
     @classmethod
     def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
@@ -289,7 +275,7 @@ class CircleMap:
         ([0.0, 3.141593], 1.0)
         """
         whole = whole_number("degree", degree)
-        given = listed_branches(branches)
+        given = list(branches) if isinstance(branches, Iterable) else branches
         lift, breaks = lift_from_branches(given, whole)
         options = {"breaks": breaks, "degree": whole, "max_error": max_error}
         made = cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)

@@ -32,15 +32,15 @@ def distance_to_break(breaks: Array, theta: Array) -> Array:
     if breaks.size == 0:
         return np.full(np.shape(theta), np.pi)
     base = theta - TWO_PI * np.floor(theta / TWO_PI)
-    return np.asarray(np.abs(_nearest_break(breaks, base)[0] - base))
+    return np.asarray(np.abs(nearest_on_circle(breaks, base)[0] - base))
 
 
-def _nearest_break(breaks: Array, base: Array) -> tuple[Array, Index]:
-    """The copy of a break, from one turn below to one above, nearest to each angle in [0, 2π); its index."""
-    around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-    pick = around.searchsorted(base).clip(1, breaks.size + 1)
+def nearest_on_circle(nodes: Array, base: Array) -> tuple[Array, Index]:
+    """The copy of a sorted node in [0, 2π), up to a turn away, nearest to each angle in [0, 2π]; the node's index."""
+    around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
+    pick = around.searchsorted(base).clip(1, nodes.size + 1)
     pick = pick - (base - around[pick - 1] <= around[pick] - base)
-    return around[pick], (pick - 1) % breaks.size
+    return around[pick], (pick - 1) % nodes.size
 
 
 def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
@@ -61,7 +61,7 @@ def one_sided_limit(function: Lift, breaks: Array, theta: Any, side: int, climb:
         return values
     turns = np.floor(angles / TWO_PI)
     base = np.asarray(angles - TWO_PI * turns)
-    nearest, index = _nearest_break(breaks, base)
+    nearest, index = nearest_on_circle(breaks, base)
     here = np.abs(base - nearest) <= SNAP
     if here.any():
         found = breaks[index[here]]

@@ -45,26 +45,18 @@ class InverseLift:
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
-    """One map of the chain and, for each piece of the composite, where its argument stays.
-
-    guard : (turns, low, high), each of shape (pieces,): on piece p the argument less 2π·turns[p] lies in
-    [low[p], high[p]], between two breaks of the map; None for a map without breaks, or the first.
-    """
-
-    map: CircleMap
-    guard: tuple[Array, Array, Array] | None = None
-
-
-@dataclass(frozen=True, eq=False)
 class CompositeLift:
     """θ → F_k(… F_2(F_1(θ))). Whole turns are taken off between the maps and carried apart.
 
     So no digits are lost on long orbits, and beside a break of the composite each map is used on that side of
     its own break on which the image truly lies, however rounding moves it. ``breaks`` are sorted, in [0, 2π).
+
+    guards : for each map (turns, low, high) of shape (pieces,): on piece p of the composite its argument less
+    2π·turns[p] lies in [low[p], high[p]], between two of its breaks; None for a map without breaks, or the first.
     """
 
-    stages: tuple[Stage, ...]
+    maps: tuple[CircleMap, ...]
+    guards: tuple[tuple[Array, Array, Array] | None, ...]
     breaks: Array
 
     def __call__(self, theta: Array) -> Array:
@@ -80,37 +72,33 @@ class CompositeLift:
         angle = np.asarray(theta - TWO_PI * turns)
         product = np.ones_like(angle)
         piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
-        for place, stage in enumerate(self.stages):
-            if stage.guard is not None:
-                whole, low, high = (column[piece] for column in stage.guard)
+        for place, (one, guard) in enumerate(zip(self.maps, self.guards, strict=True)):
+            if guard is not None:
+                whole, low, high = (column[piece] for column in guard)
                 angle, turns = np.clip(angle - TWO_PI * whole, low, high), turns + whole
             elif place > 0:
                 whole = np.floor(angle / TWO_PI)
                 angle, turns = angle - TWO_PI * whole, turns + whole
             if slope:
-                product = product * stage.map.derivative(angle)
-            angle, turns = stage.map(angle), turns * float(stage.map.degree)
+                product = product * one.derivative(angle)
+            angle, turns = one(angle), turns * float(one.degree)
         return np.asarray(angle + TWO_PI * turns), product
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
         breaks: list[float] = self.breaks.tolist()
         rows = [
-            (
-                stage.map.scalar(),
-                stage.map.degree,
-                list(zip(*(column.tolist() for column in stage.guard or ()), strict=True)),
-            )
-            for stage in self.stages
+            (one.scalar(), one.degree, list(zip(*(column.tolist() for column in guard or ()), strict=True)))
+            for one, guard in zip(self.maps, self.guards, strict=True)
         ]
 
         def lift(theta: float) -> float:
             turns = floor(theta / TWO_PI)
             angle = theta - TWO_PI * turns
             piece = bisect_right(breaks, angle)
-            for one, degree, guards in rows:
-                if guards:
-                    whole, low, high = guards[piece]
+            for one, degree, guard in rows:
+                if guard:
+                    whole, low, high = guard[piece]
                     angle = min(max(angle - TWO_PI * whole, low), high)
                 else:
                     whole = floor(angle / TWO_PI)
@@ -259,22 +247,22 @@ def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLi
 
 def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> CircleMap:
     """The chain of ``maps``, the first applied first; ``breaks`` are all its breaks, in [0, 2π)."""
-    stages = [Stage(maps[0])]
+    guards: list[tuple[Array, Array, Array] | None] = [None]
     if breaks.size:
         edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
         angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
     for circle_map in maps[1:]:
         own = circle_map.breaks
         if own.size == 0:
-            stages.append(Stage(circle_map))
+            guards.append(None)
         else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
             turns, around = np.floor(angle / TWO_PI), np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI])
             above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
             margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
-            stages.append(Stage(circle_map, (turns, around[above - 1] + margin, around[above] - margin)))
+            guards.append((turns, around[above - 1] + margin, around[above] - margin))
         if breaks.size:
             angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
-    lift = CompositeLift(tuple(stages), breaks)
+    lift = CompositeLift(tuple(maps), tuple(guards), breaks)
     degree = math.prod(circle_map.degree for circle_map in maps)
     return CircleMap.with_scalar(
         lift, lift.derivative, lift.scalar(), breaks=breaks, degree=degree, max_error=max_error
@@ -299,6 +287,6 @@ def _error_after(outer: CircleMap, error: float) -> float:
     """What is left of ``error`` after ``outer``, which adds its own."""
     if error == 0.0:
         return outer.max_error
-    sides = [outer.derivative(_GRID), outer.left_derivative(outer.breaks), outer.right_derivative(outer.breaks)]
+    sides = [outer.derivative(_GRID), outer.derivative(outer.breaks, -1), outer.derivative(outer.breaks, 1)]
     steepest = float(np.max(np.abs(np.concatenate(sides))))
     return min(outer.max_error + steepest * error, sys.float_info.max)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.lift_checks import SNAP, Lift, Scalar, base_angles, checked_call, differences_between
@@ -207,6 +207,11 @@ class Piece:
     derivative: Lift
     exact: bool
 
+    @property
+    def ends(self) -> Array:
+        """Start and end, shape (2,)."""
+        return np.array([self.start, self.end])
+
 
 @dataclass(frozen=True, eq=False)
 class BranchedLift:
@@ -257,8 +262,10 @@ class BranchedLift:
         return lift
 
 
-def lift_from_branches(branches: list[Any], degree: int) -> tuple[BranchedLift, Array]:
+def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]:
     """The lift on all branches, checked, and its breaks in [0, 2π): the seams where value or slope differ."""
+    if not isinstance(branches, list) or not branches:
+        raise InvalidInput(f"branches is {branches!r}: give a list of (start, end, lift, derivative), at least one")
     pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
     for i in range(1, len(pieces)):
         gap = pieces[i].start - pieces[i - 1].end
@@ -282,17 +289,6 @@ def lift_from_branches(branches: list[Any], degree: int) -> tuple[BranchedLift, 
     return BranchedLift(starts, placed, shift, degree), seams[_differing(pieces, degree)]
 
 
-def listed_branches(branches: Any) -> list[Any]:
-    """The branches as a list, or InvalidInput where there are none."""
-    try:
-        given = list(branches)
-    except TypeError as cause:
-        raise InvalidInput(f"branches is {branches!r}: give a list of (start, end, lift, derivative)") from cause
-    if not given:
-        raise InvalidInput("branches is empty: give at least one (start, end, lift, derivative)")
-    return given
-
-
 def _piece(index: int, branch: Any) -> Piece:
     try:
         start, end, lift, derivative = branch
@@ -308,24 +304,18 @@ def _piece(index: int, branch: Any) -> Piece:
         return differences_between(lift, theta, theta - first, last - theta)[0]
 
     piece = Piece(first, last, lift, by_differences if derivative is None else derivative, derivative is not None)
-    ends = np.array([piece.start, piece.end])
     with np.errstate(all="ignore"):
-        checked_call(f"lift of branch {index}", piece.lift, ends)
-        checked_call(f"derivative of branch {index}", piece.derivative, ends)
+        checked_call(f"lift of branch {index}", piece.lift, piece.ends)
+        checked_call(f"derivative of branch {index}", piece.derivative, piece.ends)
     return piece
 
 
-def _differing(pieces: tuple[Piece, ...], degree: int) -> list[bool]:
+def _differing(pieces: tuple[Piece, ...], degree: int) -> Mask:
     """Whether value or slope differ at the start of each branch from those at the end of the one before."""
-    places = [np.array([piece.start, piece.end]) for piece in pieces]
-    ends = [(piece.lift(at), piece.derivative(at)) for piece, at in zip(pieces, places, strict=True)]
-    found = []
-    for i, piece in enumerate(pieces):
-        climb = TWO_PI * degree if i == 0 else 0.0
-        before, after = ends[i - 1][0][1] - climb, ends[i][0][0]
-        slope_before, slope_after = ends[i - 1][1][1], ends[i][1][0]
-        allowed = _SAME_SLOPE if piece.exact and pieces[i - 1].exact else _SAME_DIFFERENCE
-        jumps = abs(after - before) > _SAME_VALUE * (1.0 + abs(after))
-        kinks = abs(slope_after - slope_before) > allowed * (1.0 + abs(slope_after))
-        found.append(bool(jumps or kinks))
-    return found
+    ends = np.array([[piece.lift(piece.ends), piece.derivative(piece.ends)] for piece in pieces])
+    after, before = ends[:, :, 0], np.roll(ends[:, :, 1], 1, axis=0)
+    before[0, 0] -= TWO_PI * degree
+    exact = np.array([piece.exact for piece in pieces])
+    slopes = np.where(exact & np.roll(exact, 1), _SAME_SLOPE, _SAME_DIFFERENCE)
+    allowed = np.stack([np.full(exact.size, _SAME_VALUE), slopes], axis=1)
+    return np.asarray(np.any(np.abs(after - before) > allowed * (1.0 + np.abs(after)), axis=1))

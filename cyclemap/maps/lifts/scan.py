@@ -103,11 +103,6 @@ class Cells:
         """g(θ + 2π) - g(θ), radians."""
         return float(TWO_PI * (self.degree**self.period - self.shift))
 
-    @property
-    def size(self) -> int:
-        """Number of cells."""
-        return int(self.start.size)
-
     def inner(self) -> tuple[Array, Array]:
         """The cells' ends moved inside by ``INSET`` where a break lies there."""
         cut_after = np.roll(self.cut, -1)
@@ -332,15 +327,6 @@ def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
         level, cell = np.nonzero(start != end)
         found.append(solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0])
     return np.concatenate(found)
-
-
-def roots_between(
-    circle_map: CircleMap, cells: Cells, level: float, turn_start: Whole, turn_end: Whole
-) -> tuple[Array, Whole, Whole]:
-    """The roots of g = level + 2πw for every w in (min, max] of the whole turns at a cell's two ends."""
-    cell = np.flatnonzero(turn_start != turn_end)
-    theta, whole, pick = solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
-    return theta, whole, cell[pick]
 
 
 def solved(

@@ -18,8 +18,8 @@ from cyclemap.maps.noise.noise import folded, reduced
 class UniformNoise:
     """Noise uniform on [-h, h] on the real line, h = ``halfwidth`` radians, any h > 0: κ_m = sin(mh)/(mh).
 
-    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` and ``line_slope`` raise
-    InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf.
+    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` raises InvalidInput. The sum
+    of |κ_m| diverges: ``tail`` is inf.
     Raises InvalidInput unless the halfwidth is above zero.
 
     >>> round(float(UniformNoise(0.5).exceedance(0.25)), 12)
@@ -47,23 +47,18 @@ class UniformNoise:
         """Infinite: |κ_k| falls like 1/k, and its sum diverges."""
         return float("inf")
 
-    def density(self, x: Any) -> Array:
-        """Density on the circle, per radian: the number of x + 2πk in [-h, h), over 2h."""
+    def density(self, x: Any, lifted: bool = False) -> Array:
+        """The number of x + 2πk in [-h, h), over 2h, per radian; on the line 1/2h on [-h, h), else 0."""
+        if lifted:
+            distance = np.asarray(x, dtype=np.float64)
+            return np.asarray((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (2.0 * self.halfwidth)
         angle = reduced(x)
         images = np.ceil((self.halfwidth - angle) / TWO_PI) - np.ceil((-self.halfwidth - angle) / TWO_PI)
         return np.asarray(images / (2.0 * self.halfwidth))
 
-    def line_density(self, x: Any) -> Array:
-        """1/2h on [-h, h), else 0, per radian."""
-        distance = np.asarray(x, dtype=np.float64)
-        inside = (distance >= -self.halfwidth) & (distance < self.halfwidth)
-        return np.asarray(inside / (2.0 * self.halfwidth))
-
-    def slope(self, x: Any) -> Array:
+    def slope(self, x: Any, lifted: bool = False) -> Array:
         """Refused: InvalidInput."""
         raise InvalidInput(f"uniform noise has no density slope: its density jumps at ±{self.halfwidth:g}")
-
-    line_slope = slope
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
@@ -95,7 +90,7 @@ _NODES = _NODES + 0.5
 class VonMises:
     """Von Mises noise, density exp(κ cos x)/(2π I₀(κ)) on [-π, π], κ = ``kappa`` > 0: κ_m = I_m(κ)/I₀(κ).
 
-    On the real line it is zero outside [-π, π] (its step there, exp(-κ)/(2π I₀), is left out of ``line_slope``).
+    On the real line it is zero outside [-π, π] (its step there, exp(-κ)/(2π I₀), is left out of ``slope``).
     Near normal of variance 1/κ where κ is large, near uniform where it is small. Integrals of the density
     are Gauss-Legendre sums of positive terms, good to about 1e-13 relative, however far in the tail.
     Raises InvalidInput unless kappa is finite and above zero (an infinite one is no noise).
@@ -134,24 +129,17 @@ class VonMises:
         ratio_gap = np.hypot(self.kappa, middle) + middle - self.kappa
         return float(self.coefficients(m) * self.kappa / ratio_gap)
 
-    def density(self, x: Any) -> Array:
-        """Density on the circle, per radian."""
+    def density(self, x: Any, lifted: bool = False) -> Array:
+        """Density per radian; on the line 0 outside [-π, π]."""
         from scipy.special import i0e
 
         half = np.sin(0.5 * np.asarray(x, dtype=np.float64))
-        return np.asarray(np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa)))
+        density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
+        return np.asarray(np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density)
 
-    def slope(self, x: Any) -> Array:
+    def slope(self, x: Any, lifted: bool = False) -> Array:
         """d/dx of ``density``: -κ sin x times it."""
-        return np.asarray(-self.kappa * np.sin(x) * self.density(x))
-
-    def line_density(self, x: Any) -> Array:
-        """The density on [-π, π], else 0, per radian."""
-        return np.asarray(np.where(np.abs(x) <= np.pi, self.density(np.clip(x, -np.pi, np.pi)), 0.0))
-
-    def line_slope(self, x: Any) -> Array:
-        """d/dx of ``line_density`` inside (-π, π), else 0."""
-        return np.asarray(np.where(np.abs(x) <= np.pi, self.slope(x), 0.0))
+        return np.asarray(-self.kappa * np.sin(x) * self.density(x, lifted))
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
@@ -169,18 +157,16 @@ class VonMises:
     def _half_integral(self, low: Any, high: Any, factor: Callable[[Array], Array] = np.ones_like) -> Array:
         """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go together."""
         start, end = np.broadcast_arrays(np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64))
-        length = np.minimum(end - start, self._falls_to(start))
+        # No further than where the density has fallen by exp(-45), if it does.
+        squared = np.sin(0.5 * start) ** 2 + 0.5 * _SPAN / self.kappa
+        falls = np.where(squared < 1.0, 2.0 * np.arcsin(np.sqrt(np.minimum(squared, 1.0))) - start, np.pi)
+        length = np.minimum(end - start, falls)
         total = np.zeros(start.shape)
         for node, weight in zip(_NODES, _WEIGHTS, strict=True):
             step = length * node
             fall = 2.0 * self.kappa * np.sin(0.5 * step) * np.sin(start + 0.5 * step)
             total += weight * factor(start + step) * np.exp(-fall)
         return np.asarray(total * length * self.density(start))
-
-    def _falls_to(self, start: Any) -> Array:
-        """How far beyond ``start`` the density has fallen by exp(-45); far enough where it never does."""
-        squared = np.sin(0.5 * np.asarray(start, dtype=np.float64)) ** 2 + 0.5 * _SPAN / self.kappa
-        return np.asarray(np.where(squared < 1.0, 2.0 * np.arcsin(np.sqrt(np.minimum(squared, 1.0))) - start, np.pi))
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Von Mises draws in [-π, π], radians (Best & Fisher 1979)."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -31,17 +30,11 @@ class Noise(Protocol):
     def tail(self, m: int) -> float:
         """A bound on the sum of |κ_k| over k > m; inf where the sum diverges."""
 
-    def density(self, x: Any) -> Array:
-        """Density on the circle, per radian, period 2π."""
+    def density(self, x: Any, lifted: bool = False) -> Array:
+        """Density per radian: on the circle, period 2π; ``lifted``, on the real line."""
 
-    def slope(self, x: Any) -> Array:
+    def slope(self, x: Any, lifted: bool = False) -> Array:
         """d/dx of ``density``, per radian²."""
-
-    def line_density(self, x: Any) -> Array:
-        """Density on the real line, per radian."""
-
-    def line_slope(self, x: Any) -> Array:
-        """d/dx of ``line_density``, per radian²."""
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x) on the real line, to full relative accuracy in the tail."""
@@ -90,22 +83,13 @@ class WrappedNormal:
         """Sum over k > m of κ_k, bounded by the integral of exp(-x²σ²/2) from m."""
         return float(np.sqrt(0.5 * np.pi) / self.sigma * math.erfc(m * self.sigma / math.sqrt(2.0)))
 
-    def density(self, x: Any) -> Array:
-        """Density on the circle, per radian; rounding only."""
-        if self.sigma < _WIDE:
-            return self._over_images(self.line_density, x)
-        waves = np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficients(_ORDERS)
-        return np.asarray((1.0 + 2.0 * waves) / TWO_PI)
-
-    def slope(self, x: Any) -> Array:
-        """d/dx of ``density``."""
-        if self.sigma < _WIDE:
-            return self._over_images(self.line_slope, x)
-        waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (_ORDERS * self.coefficients(_ORDERS))
-        return np.asarray(-waves / np.pi)
-
-    def line_density(self, x: Any) -> Array:
-        """The normal density, per radian."""
+    def density(self, x: Any, lifted: bool = False) -> Array:
+        """The normal density, per radian, or the sum over its images on the circle; rounding only."""
+        if not lifted and self.sigma >= _WIDE:
+            waves = np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficients(_ORDERS)
+            return np.asarray((1.0 + 2.0 * waves) / TWO_PI)
+        if not lifted:
+            return np.asarray(sum(self.density(image, True) for image in self._images(x)))
         # In place: kernels between thousands of nodes are large, and fresh memory is slower than the arithmetic.
         density = np.array(x, dtype=np.float64)
         density /= self.sigma
@@ -115,10 +99,15 @@ class WrappedNormal:
         density /= self.sigma * np.sqrt(TWO_PI)
         return density
 
-    def line_slope(self, x: Any) -> Array:
-        """d/dx of ``line_density``: -x/σ² times it."""
+    def slope(self, x: Any, lifted: bool = False) -> Array:
+        """d/dx of ``density``: on the line -x/σ² times it."""
+        if not lifted and self.sigma >= _WIDE:
+            waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (_ORDERS * self.coefficients(_ORDERS))
+            return np.asarray(-waves / np.pi)
+        if not lifted:
+            return np.asarray(sum(self.slope(image, True) for image in self._images(x)))
         distance = np.asarray(x, dtype=np.float64)
-        return np.asarray(-distance / self.sigma**2 * self.line_density(distance))
+        return np.asarray(-distance / self.sigma**2 * self.density(distance, True))
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
@@ -141,11 +130,10 @@ class WrappedNormal:
         """Normal draws, radians, not wrapped."""
         return np.asarray(rng.normal(0.0, self.sigma, size))
 
-    def _over_images(self, function: Callable[[Array], Array], x: Any) -> Array:
-        """The sum of ``function`` over all x + 2πk near enough to count."""
-        angle = reduced(x)
+    def _images(self, x: Any) -> list[Array]:
+        """All x + 2πk near enough to count."""
         reach = int(np.ceil((TWO_PI + 9.0 * self.sigma) / TWO_PI))
-        return np.asarray(sum(function(angle + TWO_PI * turn) for turn in range(-reach, reach + 1)))
+        return [reduced(x) + TWO_PI * turn for turn in range(-reach, reach + 1)]
 
 
 def reduced(x: Any) -> Array:
@@ -198,29 +186,22 @@ class WrappedCauchy:
         """Sum over k > m of κ_k, exactly."""
         return float(self.r ** (m + 1) / (1.0 - self.r))
 
-    def density(self, x: Any) -> Array:
-        """Density on the circle, per radian."""
-        return np.asarray((1.0 - self.r**2) / (TWO_PI * self._distance(x)))
+    def density(self, x: Any, lifted: bool = False) -> Array:
+        """The Cauchy density, per radian; on the circle (1 - r²)/(2π|1 - r e^{ix}|²)."""
+        gap = np.asarray(x, dtype=np.float64)
+        if lifted:
+            return np.asarray(1.0 / (np.pi * self._scale * (1.0 + (gap / self._scale) ** 2)))
+        distance = (1.0 - self.r) ** 2 + 4.0 * self.r * np.sin(0.5 * gap) ** 2
+        return np.asarray((1.0 - self.r**2) / (TWO_PI * distance))
 
-    def slope(self, x: Any) -> Array:
+    def slope(self, x: Any, lifted: bool = False) -> Array:
         """d/dx of ``density``."""
-        push = 2.0 * self.r * np.sin(np.asarray(x, dtype=np.float64))
-        return np.asarray(-(1.0 - self.r**2) * push / (TWO_PI * self._distance(x) ** 2))
-
-    def _distance(self, x: Any) -> Array:
-        """|1 - r e^{ix}|²."""
-        half = np.sin(0.5 * np.asarray(x, dtype=np.float64))
-        return np.asarray((1.0 - self.r) ** 2 + 4.0 * self.r * half**2)
-
-    def line_density(self, x: Any) -> Array:
-        """The Cauchy density, per radian."""
-        scaled = np.asarray(x, dtype=np.float64) / self._scale
-        return np.asarray(1.0 / (np.pi * self._scale * (1.0 + scaled**2)))
-
-    def line_slope(self, x: Any) -> Array:
-        """d/dx of ``line_density``."""
-        scaled = np.asarray(x, dtype=np.float64) / self._scale
-        return np.asarray(-2.0 * scaled / (np.pi * self._scale**2 * (1.0 + scaled**2) ** 2))
+        gap = np.asarray(x, dtype=np.float64)
+        if lifted:
+            scaled = gap / self._scale
+            return np.asarray(-2.0 * scaled / (np.pi * self._scale**2 * (1.0 + scaled**2) ** 2))
+        distance = (1.0 - self.r) ** 2 + 4.0 * self.r * np.sin(0.5 * gap) ** 2
+        return np.asarray(-(1.0 - self.r**2) * 2.0 * self.r * np.sin(gap) / (TWO_PI * distance**2))
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -70,11 +70,11 @@ class Panels:
         """Half the panels' lengths."""
         return 0.5 * (self.end - self.start)
 
-    def halved(self) -> Panels:
-        """Every panel cut in two at its middle."""
+    def refined(self) -> Self:
+        """The same with every panel cut in two at its middle: what changes by it was not resolved."""
         middle = 0.5 * (self.start + self.end)
         start, end = np.stack([self.start, middle], axis=1), np.stack([middle, self.end], axis=1)
-        return Panels(start.ravel(), end.ravel(), np.repeat(self.bent, 2))
+        return replace(self, start=start.ravel(), end=end.ravel(), bent=np.repeat(self.bent, 2))
 
     @cached_property
     def nodes(self) -> Array:
@@ -165,7 +165,7 @@ class Panels:
         values = np.where(self.bent[panel, None], waves @ tables[1], waves @ tables[0])
         return panel, self.half[panel, None] * values
 
-    def rule(self, cuts: Array, points: int) -> tuple[Array, Array]:
+    def cut_rule(self, cuts: Array, points: int) -> tuple[Array, Array]:
         """Gauss-Legendre nodes and weights in t on every panel, cut also at the angles ``cuts``, sorted."""
         panel, t = self.locate(cuts)
         inside = np.abs(t) < 1.0 - 1e-13
@@ -182,24 +182,12 @@ class Panels:
         return single.points(at).ravel(), (half * weights * stretch * single.half[:, None]).ravel()
 
 
-@dataclass(frozen=True, eq=False)
-class LevelSteps:
-    """The step functions n(θ; z) = ⌊(F(θ) - z)/2π⌋ on [0, 2π), one a level.
+def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Whole, Array, Whole, Whole]:
+    """The step functions n(θ; z) = ⌊(F(θ) - z)/2π⌋ on [0, 2π) for each z of ``levels``, shape (m,), radians.
 
-    row, theta, height : every step inside: its level's index, its angle, and by how much n rises there.
-    last : (levels,): n just before 2π.
-    """
-
-    row: Whole
-    theta: Array
-    height: Whole
-    last: Whole
-
-
-def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelSteps:
-    """The steps for each of ``levels``, shape (m,), radians; ``cells`` are the map's own monotone cells (period 1).
-
-    Roots of F = z + 2πw are bracketed by their cell and solved to rounding; a jump of F gives its step at the break.
+    (row, θ, height) of every step: its level's index, its angle, and by how much n rises there; and n just before 2π,
+    shape (m,). ``cells`` are the map's own monotone cells (period 1). Roots of F = z + 2πw are bracketed by their cell
+    and solved to rounding; a jump of F gives its step at the break.
     """
     low = np.floor((cells.g_start - levels[:, None]) / TWO_PI).astype(np.int64)
     high = np.floor((cells.g_end - levels[:, None]) / TWO_PI).astype(np.int64)
@@ -208,12 +196,8 @@ def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelStep
     rows, height = row[pick], np.sign(high - low)[row, cell][pick]
     jumped = low[:, 1:] - high[:, :-1]
     jump_row, cell = np.nonzero(jumped)
-    return LevelSteps(
-        np.append(rows, jump_row),
-        np.append(theta, cells.start[cell + 1]),
-        np.append(height, jumped[jump_row, cell]),
-        high[:, -1],
-    )
+    theta, height = np.append(theta, cells.start[cell + 1]), np.append(height, jumped[jump_row, cell])
+    return np.append(rows, jump_row), theta, height, high[:, -1]
 
 
 _SAME = 1e-9  # radians: singular points nearer than this are one
@@ -313,19 +297,15 @@ def refined(
     tolerance: Array,
     most: int,
     within: Callable[[Array], Mask] | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> Panels:
     """Panels cut until each function in ``assembled(panels)`` (n, m) is resolved to its ``tolerance`` (m,).
 
     The first function comes first: others are looked at when it is resolved. Ends at ``most`` panels.
-    ``within`` tells of angles whether they belong to the domain; panels outside it are left out. ``progress`` is
-    called before each pass with the share of ``most`` that there is.
+    ``within`` tells of angles whether they belong to the domain; panels outside it are left out.
     """
     root = singular.theta[singular.root & (singular.generation < _BENT)]
     panels = panels_between(ends, root, within)
     for step in range(_PASSES):
-        if progress is not None:
-            progress(min(1.0, panels.count / most))
         excess = tails(panels, assembled(panels)) / tolerance
         unresolved = np.flatnonzero(np.max(excess, axis=0) > 1.0)
         if unresolved.size == 0 or panels.count >= most:

@@ -12,7 +12,6 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import MATRIX
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
@@ -194,12 +193,6 @@ class FourierDiscretisation:
     def cut(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
         """The coefficients of the modes that a ``coarse`` basis has too."""
         return np.concatenate([coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]])
-
-    def left_out(self, density: Any) -> float:
-        """Bound on Σ over m > modes of |E e^{imθ}| after one cycle (proved), and an allowance for rounding."""
-        _, weight = self.rule
-        rounding = MATRIX * float(np.linalg.norm(self.kappa))
-        return (self.noise.tail(self.modes) + rounding) * float(np.dot(weight, np.abs(density)))
 
     def _turned(self, rows: Any) -> Any:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""

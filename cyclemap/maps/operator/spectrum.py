@@ -120,13 +120,9 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
 
 def mixing_time(second: Estimate) -> Estimate:
     """-1/ln|λ₂|, cycles, with the bound that follows from that of |λ₂|; inf where |λ₂| may be 1."""
-
-    def cycles(modulus: float) -> float:
-        if modulus <= 0.0:
-            return 0.0
-        return float("inf") if modulus >= 1.0 else float(-1.0 / np.log(modulus))
-
-    low, found, high = (cycles(part) for part in (second.lower, float(second), second.upper))
+    with np.errstate(divide="ignore"):
+        moduli = np.clip([second.lower, second, second.upper], 0.0, 1.0)
+        low, found, high = (1.0 / np.abs(np.log(moduli))).tolist()
     return Estimate(found, max(high - found, found - low) if np.isfinite(high) else float("inf"))
 
 

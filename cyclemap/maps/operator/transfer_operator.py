@@ -20,17 +20,7 @@ from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.poisson_equation import (
-    BorderedSystem,
-    SolutionError,
-    density_at,
-    density_grid,
-    diffusion_constant,
-    expected,
-    law_error,
-    map_error_of_density,
-    map_error_of_moment,
-)
+from cyclemap.maps.operator.poisson_equation import StationaryLaw, density_at
 from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
@@ -59,6 +49,7 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
     return np.sort(np.where(at >= TWO_PI, 0.0, at))
 
 
+_POINTS = 8  # grid points a basis function
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
@@ -101,7 +92,7 @@ class TransferOperator:
     map, noise : what it is the operator of. discretisation : the basis on which it is a matrix.
 
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
-    ``poisson_equation.law_error`` for what in them is proved and what measured); to first order they include the
+    ``StationaryLaw.error`` for what in them is proved and what measured); to first order they include the
     map's own ``max_error``, except in the spectrum and the diffusion constant.
     """
 
@@ -117,7 +108,7 @@ class TransferOperator:
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
         angles = finite_array("theta", theta)
-        return density_at(self.discretisation, angles.ravel(), self._law).reshape(angles.shape)
+        return density_at(self.discretisation, angles.ravel(), self._law.coefficients).reshape(angles.shape)
 
     @cached_property
     def error_bound(self) -> float:
@@ -125,7 +116,7 @@ class TransferOperator:
 
         With uniform noise the map's ``max_error`` is left out: where the law has steps they move with the map.
         """
-        return self._error.largest + float(np.max(self._map_error))
+        return self._law.density_error + float(np.max(self._law.density_map_error))
 
     @cached_property
     def is_certain(self) -> bool:
@@ -138,13 +129,11 @@ class TransferOperator:
 
     def moment(self, n: int) -> complex:
         """E e^{inθ} of the stationary law; 0 beyond the modes kept. See ``moment_error``."""
-        return complex(self.discretisation.moments(whole_number("n", n)) @ self._law)
+        return complex(self.discretisation.moments(whole_number("n", n)) @ self._law.coefficients)
 
     def moment_error(self, n: int) -> float:
         """Bound on |error| of ``moment(n)``."""
-        order = whole_number("n", n)
-        changed = map_error_of_moment(self._system, self._law, order)
-        return self._error.of_moment(order) + INTEGRAL + changed
+        return self._law.moment_error(whole_number("n", n))
 
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
         """E h(θ) under the stationary law.
@@ -159,18 +148,19 @@ class TransferOperator:
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
         True
         """
-        return self._expected(function, folds, 0.0)
+        graded = (graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)) if folds else None
+        return self._law.expectation(function, graded)
 
     @cached_property
     def rotation_number(self) -> Estimate:
         """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
         if self.map.degree != 1:
             raise InvalidInput(f"the map has degree {self.map.degree}: its mean winding is not defined")
-        return self._expected(lambda theta: self.map.turn(theta) / TWO_PI, False, 1.0 / TWO_PI)
+        return self._law.expectation(lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI)
 
     @cached_property
     def diffusion(self) -> Estimate:
-        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``.
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``StationaryLaw.diffusion``.
 
         For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other noise is refused.
 
@@ -178,12 +168,8 @@ class TransferOperator:
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        found = diffusion_constant(self._system, self._law)
-        if np.isinf(found):
-            return Estimate(found, 0.0)
-        # Rounding is what the norm of (I - L)⁻¹ magnifies.
-        rounding = INTEGRAL * (1.0 + self._system.inverse_norm) * (1.0 + abs(found))
-        return Estimate(found, abs(diffusion_constant(self._finer._system, self._finer._law) - found) + rounding)
+        found = self._law.diffusion()
+        return found if np.isinf(found) else Estimate(found, abs(self._finer.diffusion() - found) + found.error_bound)
 
     @cached_property
     def tv_from_uniform(self) -> Estimate:
@@ -192,7 +178,7 @@ class TransferOperator:
         0 where the density is nowhere further from uniform than four times its error bound.
         """
         grid, values = self._grid
-        known = np.pi * (self._error.largest + float(np.mean(self._map_error))) + INTEGRAL
+        known = np.pi * (self._law.density_error + float(np.mean(self._law.density_map_error))) + INTEGRAL
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
         if farthest <= 4.0 * self.error_bound:
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
@@ -212,7 +198,7 @@ class TransferOperator:
         """
 
         def slope(theta: Array) -> Array:
-            return np.asarray(self.discretisation.slope(theta) @ self._law)
+            return np.asarray(self.discretisation.slope(theta) @ self._law.coefficients)
 
         return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
 
@@ -227,7 +213,7 @@ class TransferOperator:
     def spectrum(self, k: int) -> Spectrum:
         """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
         count = whole_number("k", k, least=1)
-        return leading_spectrum(self.discretisation, self._finer.discretisation, self._law, count)
+        return leading_spectrum(self.discretisation, self._finer.basis, self._law.coefficients, count)
 
     @cached_property
     def spectral_gap(self) -> Estimate:
@@ -249,39 +235,20 @@ class TransferOperator:
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     @cached_property
-    def _system(self) -> BorderedSystem:
-        return BorderedSystem(self.discretisation)
+    def _law(self) -> StationaryLaw:
+        return StationaryLaw(self.discretisation)
 
     @cached_property
-    def _law(self) -> Array:
-        return self._system.solve(self.discretisation.uniform)
-
-    @cached_property
-    def _error(self) -> SolutionError:
-        return law_error(self._system, self._law)
-
-    @cached_property
-    def _map_error(self) -> Array:
-        return map_error_of_density(self._system, self._law)
-
-    @cached_property
-    def _finer(self) -> TransferOperator:
-        return TransferOperator(self.map, self.noise, self.discretisation.refined())
+    def _finer(self) -> StationaryLaw:
+        return StationaryLaw(self.discretisation.refined())
 
     @cached_property
     def _second(self) -> Estimate:
-        return second_modulus(self._leading, self.discretisation)
-
-    @cached_property
-    def _leading(self) -> Spectrum:
-        return self.spectrum(_LEADING)
+        return second_modulus(self.spectrum(_LEADING), self.discretisation)
 
     @cached_property
     def _grid(self) -> tuple[Array, Array]:
-        return density_grid(self.density, self.discretisation.size)
-
-    def _expected(self, function: Function, folds: bool, direct: float) -> Estimate:
-        rules = self.discretisation.rule, self._error.basis.rule
-        if folds:
-            rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
-        return expected(self._error, function, rules, direct)
+        """A uniform grid, and the density there."""
+        count = 1 << int(np.ceil(np.log2(_POINTS * self.discretisation.size)))
+        grid = TWO_PI * np.arange(count) / count
+        return grid, self.density(grid)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -54,9 +54,12 @@ def uniform_discretisation(
     ends = with_ends(ends, singular.upto(1).theta)
     ends = with_ends(ends, np.linspace(0.0, TWO_PI, _FIRST + 1))
 
+    def made(panels: Panels) -> UniformDiscretisation:
+        return UniformDiscretisation(panels.start, panels.end, panels.bent, circle_map, noise, cells)
+
     def tried(panels: Panels) -> Array:
         """(n, 5): the stationary law, and the waves cos, sin of θ and 2θ after a few cycles."""
-        trial = UniformDiscretisation(circle_map, noise, panels, cells)
+        trial = made(panels)
         columns = [wave(k * panels.nodes) for wave in (np.cos, np.sin) for k in (1, 2)]
         waves = panels.coefficients(np.stack(columns, axis=1))
         for _ in range(_CYCLES):
@@ -71,13 +74,12 @@ def uniform_discretisation(
             law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
         return np.column_stack([law, waves])
 
-    panels = refined(ends, singular, tried, _TOLERANCES, most)
-    return UniformDiscretisation(circle_map, noise, panels, cells)
+    return made(refined(ends, singular, tried, _TOLERANCES, most))
 
 
 @dataclass(frozen=True, eq=False)
-class UniformDiscretisation:
-    """One cycle θ' = F(θ) + ξ, ξ uniform on [-h, h], on piecewise polynomials; made by ``uniform_discretisation``.
+class UniformDiscretisation(Panels):
+    """One cycle θ' = F(θ) + ξ, ξ uniform on [-h, h], on panels of the circle; made by ``uniform_discretisation``.
 
     (Lp)(y) = (H(y - h) - H(y + h))/2h with H(z) = ∫ p(θ) ⌊(F(θ) - z)/2π⌋ dθ: the antiderivative of p at the angles
     where F crosses a level, so no discontinuous kernel is ever integrated.
@@ -85,61 +87,44 @@ class UniformDiscretisation:
 
     map: CircleMap
     noise: UniformNoise
-    panels: Panels
     cells: Cells
-
-    @property
-    def size(self) -> int:
-        """Number of basis functions."""
-        return self.panels.size
 
     @cached_property
     def matrix(self) -> Array:
         """(n, n): coefficients of the law after one cycle from those before it."""
-        nodes, width, count = self.panels.nodes, self.noise.halfwidth, self.size
-        steps = level_steps(self.map, self.cells, np.concatenate([nodes - width, nodes + width]))
-        sign = np.where(np.arange(2 * count) < count, 1.0, -1.0)
-        theta = np.append(steps.theta, np.full(2 * count, TWO_PI))
-        weight = np.append(-1.0 * steps.height * sign[steps.row], steps.last * sign)
-        row = np.append(steps.row, np.arange(2 * count)) % count
-        values = self.panels.integral_matrix(theta, weight, row, count)
-        return np.asarray(self.panels.coefficients(values) / (2.0 * width))
-
-    @property
-    def mass(self) -> Array:
-        """(n,): the integral of each basis function."""
-        return self.panels.mass
+        nodes, width, count = self.nodes, self.noise.halfwidth, self.size
+        row, theta, height, last = level_steps(self.map, self.cells, np.concatenate([nodes - width, nodes + width]))
+        weight = np.asarray(np.where(row < count, -1.0, 1.0) * height, dtype=np.float64)
+        values = self.integral_matrix(theta, weight, row % count, count)
+        values += np.multiply.outer(last[:count] - last[count:], self.mass)
+        return np.asarray(self.coefficients(values) / (2.0 * width))
 
     @property
     def uniform(self) -> Array:
         """(n,): coefficients of the density 1/2π."""
-        return np.tile(np.eye(ORDER)[0] / TWO_PI, self.panels.count)
+        return np.tile(np.eye(ORDER)[0] / TWO_PI, self.count)
 
     def evaluate(self, theta: Array) -> Array:
         """(m, n): every basis function at the angles, any turn."""
-        return self.panels.evaluate(np.mod(theta, TWO_PI))
+        return super().evaluate(np.mod(theta, TWO_PI))
 
     def slope(self, theta: Array) -> Array:
         """(m, n): their derivatives; beside a square root, where it is infinite, read a little inside."""
-        return self.panels.slope(np.mod(theta, TWO_PI))
+        return super().slope(np.mod(theta, TWO_PI))
 
     def moments(self, order: int) -> Any:
         """(n,), complex: ∫ e^{i·order·θ} φ_j(θ) dθ."""
-        longest = float(np.max(self.panels.half))
-        theta, weight = self.panels.rule(np.zeros(0), ORDER + int(np.ceil(abs(order) * longest)) + 8)
+        longest = float(np.max(self.half))
+        theta, weight = self.cut_rule(np.zeros(0), ORDER + int(np.ceil(abs(order) * longest)) + 8)
         waves, total = np.exp(1j * order * theta) * weight, np.zeros(self.size, dtype=np.complex128)
         for at in range(0, theta.size, _BLOCK):
-            total += waves[at : at + _BLOCK] @ self.panels.evaluate(theta[at : at + _BLOCK])
+            total += waves[at : at + _BLOCK] @ super().evaluate(theta[at : at + _BLOCK])
         return total
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Nodes and weights over one turn, on panels cut at F's breaks and samples and where F is steep."""
-        return self.panels.rule(resolving_cuts(self.map, self.panels), ORDER + 8)
-
-    def refined(self) -> UniformDiscretisation:
-        """The same with every panel cut in two: what changes by it was not resolved."""
-        return replace(self, panels=self.panels.halved())
+        return self.cut_rule(resolving_cuts(self.map, self), ORDER + 8)
 
     def residual(self, law: Array) -> float:
         """Twice the largest |(Lp)(θ) - p(θ)| at three times as many angles as collocation has, plus rounding.
@@ -147,11 +132,11 @@ class UniformDiscretisation:
         (Lp) is the true operator's, but for rounding: the crossings and the antiderivative are exact. So the
         bound is measured only in that the maximum is taken over finitely many angles.
         """
-        theta, width = self.panels.test_points, self.noise.halfwidth
-        steps = level_steps(self.map, self.cells, np.concatenate([theta - width, theta + width]))
-        beyond = steps.last * (self.mass @ law)  # H at every level
-        np.add.at(beyond, steps.row, -steps.height * self.panels.integral(law, steps.theta))
+        theta, width = self.test_points, self.noise.halfwidth
+        row, crossing, height, last = level_steps(self.map, self.cells, np.concatenate([theta - width, theta + width]))
+        beyond = last * (self.mass @ law)  # H at every level
+        np.add.at(beyond, row, -height * self.integral(law, crossing))
         below, above = np.split(beyond, 2)
-        here = self.panels.value(law, theta)
+        here = self.value(law, theta)
         worst = float(np.max(np.abs((below - above) / (2.0 * width) - here)))
         return 2.0 * worst + EPS * (8.0 * float(np.max(np.abs(here))) + 2.0 / width)

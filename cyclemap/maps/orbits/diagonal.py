@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import nearest_on_circle
 from cyclemap.maps.lifts.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
 
 RESOLUTION = 512  # cells a turn, at least
@@ -78,11 +79,10 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     scan = DiagonalScan(cells, _whole_turns(cells.g_start), _whole_turns(cells.g_end))
     joined = is_continuous(cells)
     tolerance, seeds = _tolerance(circle_map, cells, joined)
-    ends = _Ends(scan, joined, tolerance)
     settled: set[int] = set()
     for seed in seeds.tolist():
         if seed not in settled:
-            settled.update(ends.settle(seed))
+            settled.update(_settled(scan, joined, tolerance, seed))
     # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
     met = dict.fromkeys(scan.border)
     for i in np.flatnonzero(~joined):
@@ -128,7 +128,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     """
     rising = is_rising(cells)
     special = np.flatnonzero((rising != np.roll(rising, 1)) | cells.cut)
-    tolerance = np.full(2 * cells.size, TANGENCY)
+    tolerance = np.full(2 * cells.start.size, TANGENCY)
     if special.size == 0:
         return tolerance, special
     after, before = cells.g_start[special], np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
@@ -142,88 +142,64 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     for _ in range(cells.period - 1 if image.size else 0):
         stretch = stretch * np.abs(circle_map.derivative(image))
         image = np.mod(circle_map(image), TWO_PI)
-        mate = nearest_on_circle(nodes, image)
-        same = (np.abs(shorter_way(nodes[mate] - image)) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
+        near, mate = nearest_on_circle(nodes, image)
+        same = (np.abs(near - image) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
         raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
     allowed = raised
     tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
     ends = np.concatenate([2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1])
-    return tolerance, np.mod(ends, 2 * cells.size)
+    return tolerance, np.mod(ends, 2 * cells.start.size)
 
 
 def _gap(g: Array) -> Array:
     return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
 
 
-def nearest_on_circle(nodes: Array, theta: Array) -> Whole:
-    """Index of the sorted node in [0, 2π) nearest to each angle of [0, 2π], the short way round."""
-    around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
-    above = np.clip(np.searchsorted(around, theta), 1, around.size - 1)
-    pick = np.where(theta - around[above - 1] <= around[above] - theta, above - 1, above)
-    return np.asarray((pick - 1) % nodes.size)
+def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:
+    """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the run.
 
+    Ends are counted on round the circle: end e of the line is end e mod 2·size, moved on by whole laps.
+    """
+    cells, ends = scan.cells, tolerance.size
+    g = np.stack([cells.g_start, cells.g_end], axis=1).ravel()
+    w = round(float(g[seed]) / TWO_PI)
 
-@dataclass(frozen=True, eq=False)
-class _Ends:
-    """Cell ends on the line: end e is end e mod 2·size, moved on by whole laps."""
-
-    scan: DiagonalScan
-    joined: Mask
-    tolerance: Array
-
-    def settle(self, seed: int) -> list[int]:
-        """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the run."""
-        w = round(self._g(seed) / TWO_PI)
-        low, below = self._reach(seed, w, -1)
-        high, beyond = self._reach(seed, w, 1)
-        run = range(low, high + 1)
-        if below is None or beyond is None:
-            side = below if below is not None else bool(beyond)
-            self._record(self.scan.border, low if below is None else high, w)
-            self._count(run, w, side)
-        elif below == beyond:
-            worst = min(run, key=lambda e: self._g(e) if below else -self._g(e))
-            self._record(self.scan.touch, worst, w)
-            self._count(run, w, below)
-        else:
-            kinks = [e for e in run if e % 2 == 0 and e > low and self.scan.cells.cut[self._cell(e)]]
-            # On no kink the root is sought in the run's middle cell: where three roots merge, the middle one.
-            split = kinks[0] if kinks else (low + high + 1) // 2 | 1
-            if kinks:
-                self._record(self.scan.kink, split, w)
-            self._count(range(low, split), w, below)
-            self._count(range(split, high + 1), w, beyond)
-        return [e % (2 * self.scan.cells.size) for e in run]
-
-    def _cell(self, e: int) -> int:
-        return e // 2 % self.scan.cells.size
-
-    def _laps(self, e: int) -> int:
-        return e // (2 * self.scan.cells.size)
-
-    def _g(self, e: int) -> float:
-        cells = self.scan.cells
-        here = cells.g_end if e % 2 else cells.g_start
-        return float(here[self._cell(e)]) + cells.climb * self._laps(e)
-
-    def _reach(self, seed: int, w: int, step: int) -> tuple[int, bool | None]:
+    def reached(step: int) -> tuple[int, bool | None]:
         """The last end of the run this way, and whether g then lies above the line; None at a jump."""
         e = seed
-        for _ in range(2 * self.scan.cells.size):
-            if max(e, e + step) % 2 == 0 and not self.joined[self._cell(max(e, e + step))]:
+        for _ in range(ends):
+            later = max(e, e + step)
+            if later % 2 == 0 and not joined[later // 2 % joined.size]:
                 return e, None
-            off = self._g(e + step) - TWO_PI * w
-            if abs(off) > self.tolerance[(e + step) % self.tolerance.size]:
+            laps, place = divmod(e + step, ends)
+            off = float(g[place]) + cells.climb * laps - TWO_PI * w
+            if abs(off) > tolerance[place]:
                 return e, off > 0.0
             e += step
         return e, None
 
-    def _record(self, found: list[tuple[float, int]], e: int, w: int) -> None:
-        cells, wraps = self.scan.cells, e % 2 == 1 and self._cell(e) == self.scan.cells.size - 1
-        theta = 0.0 if wraps else float((cells.end if e % 2 else cells.start)[self._cell(e)])
-        found.append((theta, w - self.scan.lap * (self._laps(e) + wraps)))
+    def record(found: list[tuple[float, int]], e: int) -> None:
+        laps, place = divmod(e, ends)
+        wraps = place == ends - 1
+        theta = 0.0 if wraps else float((cells.end if place % 2 else cells.start)[place // 2])
+        found.append((theta, w - scan.lap * (laps + wraps)))
 
-    def _count(self, run: range, w: int, above: bool) -> None:
-        for e in run:
-            turns = self.scan.turn_end if e % 2 else self.scan.turn_start
-            turns[self._cell(e)] = w - self.scan.lap * self._laps(e) - (0 if above else 1)
+    (low, below), (high, beyond) = reached(-1), reached(1)
+    split, sides = high + 1, (below, below)  # whether g lies above the line at the ends before and from the split
+    if below is None or beyond is None:
+        sides = (bool(beyond), False) if below is None else (below, False)
+        record(scan.border, low if below is None else high)
+    elif below == beyond:
+        height = [float(g[e % ends]) + cells.climb * (e // ends) for e in range(low, high + 1)]
+        record(scan.touch, low + int(np.argmin(height) if below else np.argmax(height)))
+    else:
+        kinks = [e for e in range(low + 1, high + 1) if e % 2 == 0 and cells.cut[e // 2 % joined.size]]
+        # On no kink the root is sought in the run's middle cell: where three roots merge, the middle one.
+        split, sides = kinks[0] if kinks else (low + high + 1) // 2 | 1, (below, beyond)
+        if kinks:
+            record(scan.kink, split)
+    for e in range(low, high + 1):
+        laps, place = divmod(e, ends)
+        turns = scan.turn_end if place % 2 else scan.turn_start
+        turns[place // 2] = w - scan.lap * laps - (0 if sides[e >= split] else 1)
+    return [e % ends for e in range(low, high + 1)]

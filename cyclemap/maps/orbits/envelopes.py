@@ -59,9 +59,7 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
     >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
     True
     """
-    _need_degree_one(circle_map)
-    theta, value, steepest = _skeleton(circle_map)
-    made = _with_plateaus(circle_map, *_plateaus(circle_map, theta, value, 1.0), SIDE_STEP * steepest)
+    made = _envelope(circle_map, 1.0)
     return made if made is circle_map else made.remade_by(upper_envelope, circle_map)
 
 
@@ -72,17 +70,20 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
     >>> bool(lowered(0.0) <= CircleMap.arnold(0.0, 3.0)(0.0))
     True
     """
-    _need_degree_one(circle_map)
-    theta, value, steepest = _skeleton(circle_map)
-    # x → -F(-x) swaps infimum from the right with supremum from the left.
-    start, end, level = _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
-    made = _with_plateaus(circle_map, -end[::-1], -start[::-1], -level[::-1], SIDE_STEP * steepest)
+    made = _envelope(circle_map, -1.0)
     return made if made is circle_map else made.remade_by(lower_envelope, circle_map)
 
 
-def _need_degree_one(circle_map: CircleMap) -> None:
+def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
+    """The upper envelope, or with ``mirror`` -1 the lower one."""
     if circle_map.degree != 1:
         raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
+    theta, value, steepest = _skeleton(circle_map)
+    if mirror > 0.0:
+        start, end, level = _plateaus(circle_map, theta, value, 1.0)
+    else:  # x → -F(-x) swaps infimum from the right with supremum from the left
+        end, start, level = (-part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0))
+    return _with_plateaus(circle_map, start, end, level, SIDE_STEP * steepest)
 
 
 def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:

@@ -8,20 +8,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import SNAP
-from cyclemap.maps.lifts.scan import roots_between
+from cyclemap.maps.lifts.lift_checks import nearest_on_circle
+from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
     DiagonalScan,
     JumpCrossing,
     diagonal_scan,
     displacement,
-    nearest_on_circle,
 )
 
 NEUTRAL = 1e-7
@@ -65,11 +64,6 @@ class PeriodicPoints:
         """How many points there are."""
         return int(self.theta.size)
 
-    @property
-    def stable(self) -> Mask:
-        """Whether each point attracts from both sides."""
-        return np.asarray(self.kind == "stable")
-
 
 def periodic_points(circle_map: CircleMap, period: int, winding: int | None = None) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
@@ -94,7 +88,7 @@ def periodic_points(circle_map: CircleMap, period: int, winding: int | None = No
     wanted = None if winding is None else whole_number("winding", winding)
     scan = diagonal_scan(circle_map, n)
     roots = _polished_roots(circle_map, scan, n)
-    allowed = roots.rounding + TANGENCY * roots.at_touch
+    allowed = roots.rounding + TANGENCY * (roots.role >= _TOUCH)
     residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
     bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
@@ -131,14 +125,12 @@ class _Roots:
     slope: Array
     rounding: Array
 
-    @property
-    def at_touch(self) -> Mask:
-        return np.asarray(self.role >= _TOUCH)
-
 
 def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
     """All roots, after Newton's steps with whole turns counted apart, as long as they help; sorted."""
-    theta, whole, _ = roots_between(circle_map, scan.cells, 0.0, scan.turn_start, scan.turn_end)
+    cell = np.flatnonzero(scan.turn_start != scan.turn_end)
+    level, turns = np.float64(0.0), (scan.turn_start[cell], scan.turn_end[cell])
+    theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
     role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
@@ -169,12 +161,13 @@ def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
     with np.errstate(divide="ignore"):
         half = np.minimum(1.5 * margin / np.abs(roots.slope - 1.0), 1e-8)
     half = np.maximum(half, 2.0 * np.spacing(roots.theta) + 1e-300)
-    half[roots.at_touch] = np.maximum(half[roots.at_touch], TANGENCY)
+    touches = roots.role >= _TOUCH
+    half[touches] = np.maximum(half[touches], TANGENCY)
     bound, left = np.full(half.shape, np.inf), np.flatnonzero(roots.role != _BORDER)
     for _ in range(_WIDENINGS):
         if left.size == 0:
             break
-        theta, whole, touch = roots.theta[left], roots.winding[left], roots.at_touch[left]
+        theta, whole, touch = roots.theta[left], roots.winding[left], touches[left]
         (low, _, low_noise), (high, _, high_noise) = (
             displacement(circle_map, theta + side * half[left], period, whole) for side in (-1, 1)
         )
@@ -192,8 +185,8 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
     if theta.size == 0:
         return np.zeros(0, dtype=np.int64)
     image = np.mod(circle_map(theta), TWO_PI)
-    nearest = nearest_on_circle(theta, image)
-    away = np.abs(shorter_way(image - theta[nearest]))
+    near, nearest = nearest_on_circle(theta, image)
+    away = np.abs(image - near)
     allowed = _LINKED + 4.0 * np.minimum(np.abs(circle_map.derivative(theta)) * bound + bound[nearest], 1e-3)
     return np.where(away <= allowed, nearest, -1)
 
@@ -238,15 +231,12 @@ def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     """F' from the right and from the left; angles next to a break count as lying on it."""
-    plain = np.asarray(circle_map.derivative(theta))
-    if circle_map.breaks.size == 0 or theta.size == 0:
+    if circle_map.breaks.size == 0:
+        plain = circle_map.derivative(theta)
         return plain, plain
-    nearest = circle_map.breaks[nearest_on_circle(circle_map.breaks, theta)]
-    on = np.flatnonzero(np.abs(shorter_way(theta - nearest)) <= max(_LINKED, SNAP))
-    right, left = plain.copy(), plain.copy()
-    if on.size:
-        right[on], left[on] = circle_map.right_derivative(nearest[on]), circle_map.left_derivative(nearest[on])
-    return right, left
+    near, _ = nearest_on_circle(circle_map.breaks, theta)
+    theta = np.where(np.abs(near - theta) <= _LINKED, near, theta)
+    return circle_map.derivative(theta, 1), circle_map.derivative(theta, -1)
 
 
 _SAME = 1e-6  # radians: an orbit followed by iteration is closed when it comes back this near

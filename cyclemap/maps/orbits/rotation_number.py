@@ -198,7 +198,7 @@ def rotation_number(
         proof = LockingProof(low.proof.ratio, high.proof.below, low.proof.above)
         return RotationNumber(low.value, low.lower, high.upper, low.locked, proof)
     # Of n cycles a mean is good to 1/n.
-    enough = budget.iterates if tolerance == 0.0 else min(budget.iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
+    enough = iterates if tolerance == 0.0 else min(iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
     return _unlocked(circle_map, low.lower, high.upper, enough)
 
 
@@ -222,13 +222,7 @@ def rotation_interval(
     return RotationInterval(low.value, high.value, low, high)
 
 
-@dataclass(frozen=True)
-class _Budget:
-    """How long to go on: at most so many iterates, periods to try, and the half-width at which to stop."""
-
-    iterates: int
-    max_period: int
-    tolerance: float
+_Budget = tuple[int, int, float]  # at most so many iterates, periods to try, and the half-width at which to stop
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
@@ -237,18 +231,19 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
     if circle_map.degree != 1:
         raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
     count, longest = whole_number("iterates", iterates, least=16), whole_number("max_period", max_period, least=1)
-    return _Budget(count, longest, non_negative_number("tolerance", tolerance))
+    return count, longest, non_negative_number("tolerance", tolerance)
 
 
 def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
+    iterates, max_period, tolerance = budget
     # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
     push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
     push += largest_descent(circle_map) if descent is None else descent
     under, over = _PushedOrbit(circle_map, -push), _PushedOrbit(circle_map, push)
     # Where the bounds may be wide enough soon, they are looked at more often.
-    factor = 2 if budget.tolerance > 0.0 else 8
-    looks = [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < budget.iterates]
-    for count in [*looks, budget.iterates]:
+    factor = 2 if tolerance > 0.0 else 8
+    looks = [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < iterates]
+    for count in [*looks, iterates]:
         under.run_to(count)
         over.run_to(count)
         low, high = under.best_ratio(), over.best_ratio()
@@ -258,11 +253,11 @@ def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | 
                 "radians, or folds unseen; give it its max_error"
             )
         candidate = simplest_between(low, high)
-        if candidate.denominator <= budget.max_period and under.settles(candidate) and over.settles(candidate):
-            proof = _locking_proof(circle_map, candidate, push, (under.theta, over.theta))
+        if candidate.denominator <= max_period and under.settles(candidate) and over.settles(candidate):
+            proof = _locking_proof(circle_map, candidate, push, (under.visited[-1], over.visited[-1]))
             if proof is not None:
                 return RotationNumber(float(candidate), *_floats(candidate, candidate), candidate, proof)
-        if high - low <= 2.0 * budget.tolerance:
+        if high - low <= 2.0 * tolerance:
             break
     return _unlocked(circle_map, *_floats(low, high), count)
 
@@ -272,16 +267,11 @@ class _PushedOrbit:
 
     def __init__(self, circle_map: CircleMap, push: float) -> None:
         self._lift, self._push = circle_map.scalar(), push
-        self._visited, self._laps = [0.0], [0]
-
-    @property
-    def theta(self) -> float:
-        """The latest angle."""
-        return self._visited[-1]
+        self.visited, self.laps = [0.0], [0]
 
     def run_to(self, count: int) -> None:
         """Go on to the iterate of that number."""
-        lift, push, laps, visited = self._lift, self._push, self._laps, self._visited
+        lift, push, laps, visited = self._lift, self._push, self.laps, self.visited
         theta, turns = visited[-1], laps[-1]
         for _ in range(len(laps), count + 1):
             image = lift(theta) + push
@@ -293,10 +283,10 @@ class _PushedOrbit:
 
     def settles(self, ratio: Fraction) -> bool:
         """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no period of it."""
-        period, last = ratio.denominator, max(2 * ratio.denominator, len(self._laps) // 2)
-        if period + last > len(self._laps):
+        period, last = ratio.denominator, max(2 * ratio.denominator, len(self.laps) // 2)
+        if period + last > len(self.laps):
             return False
-        theta, turns = np.array(self._visited[-last - period :]), np.array(self._laps[-last - period :], dtype=float)
+        theta, turns = np.array(self.visited[-last - period :]), np.array(self.laps[-last - period :], dtype=float)
         gap = np.abs(theta[period:] - theta[:-period] + TWO_PI * (turns[period:] - turns[:-period] - ratio.numerator))
         near = _SETTLED + abs(self._push)
         return bool(gap[-1] <= max(0.9 * gap[0], near) and np.all(gap[period:] <= np.maximum(gap[:-period], near)))
@@ -304,7 +294,7 @@ class _PushedOrbit:
     def best_ratio(self) -> Fraction:
         """The largest p/n with Fⁿ(0) ≥ 2πp if the push is down, the smallest with ≤ if it is up."""
         up = self._push > 0.0
-        whole = np.array(self._laps[1:]) + up
+        whole = np.array(self.laps[1:]) + up
         ratio = whole / np.arange(1.0, whole.size + 1.0)
         best = int(np.argmin(ratio) if up else np.argmax(ratio))
         return Fraction(int(whole[best]), best + 1)

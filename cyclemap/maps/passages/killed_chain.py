@@ -159,18 +159,19 @@ def killed_chain(
     circle_map: CircleMap,
     noise: Noise,
     arcs: tuple[Arc, ...],
-    exits: tuple[Arc, ...],
+    exits: tuple[Arc, ...] | None,
     lifted: bool,
     *,
-    every_sample: bool = False,
+    every_sample: bool = True,
     stretch: float = 1.0,
     most: int = MAX_UNKNOWNS,
 ) -> KilledChain:
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes
-        end at every sample of a sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more
-        than ``most`` nodes would be needed, and for ``UniformNoise``, whose density jumps.
+    exits : None takes all that lies outside the one arc, on the line below it and above it. lifted : the space is the
+    real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes end at every sample of a
+    sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more than ``most`` nodes would be
+    needed, and for ``UniformNoise``, whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
@@ -178,6 +179,9 @@ def killed_chain(
         raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
     if isinstance(noise, UniformNoise):
         raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
+    if exits is None:
+        ((low, high),) = arcs
+        exits = ((-np.inf, low), (high, np.inf)) if lifted else ((high, low + TWO_PI),)
     bandwidth = float(_MIN_BANDWIDTH)
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05
@@ -229,7 +233,7 @@ class KilledChain:
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
-        return (self.noise.line_density(gap) if self.lifted else self.noise.density(gap)) * self.weight
+        return self.noise.density(gap, self.lifted) * self.weight
 
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
@@ -241,8 +245,7 @@ class KilledChain:
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
-        law = self.noise.line_density if self.lifted else self.noise.density
-        ends = [(law(low - images), law(high - images)) for low, high in self.exits]
+        ends = [[self.noise.density(end - images, self.lifted) for end in ends] for ends in self.exits]
         return np.array([at_low - at_high for at_low, at_high in ends])
 
     def expected(self, each: float, at: Array) -> Expectation:
@@ -301,7 +304,7 @@ class Expectation:
         widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
         # How fast c + ∫ g(y - F) X dy grows with F alone.
         gap = fine.theta - images[:, None]
-        pushed = (chain.noise.line_slope(gap) if chain.lifted else chain.noise.slope(gap)) * fine.weight @ on_fine[1]
+        pushed = chain.noise.slope(gap, chain.lifted) * fine.weight @ on_fine[1]
         slope = np.abs((self.at - self.top) @ fine.departure_slopes(images) - pushed)
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
@@ -311,21 +314,3 @@ class Expectation:
             bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(sources[:-1])
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
         return float(own_bound), float(from_map) if chain.map.max_error else 0.0
-
-
-def arc_chain(
-    circle_map: CircleMap,
-    noise: Noise,
-    ends: Arc,
-    lifted: bool,
-    *,
-    every_sample: bool = True,
-    stretch: float = 1.0,
-    most: int = MAX_UNKNOWNS,
-) -> KilledChain:
-    """The chain on one arc, killed below and above it on the line, or on the rest of the circle."""
-    line, circle = ((-np.inf, ends[0]), (ends[1], np.inf)), ((ends[1], ends[0] + TWO_PI),)
-    exits = line if lifted else circle
-    return killed_chain(
-        circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch, most=most
-    )

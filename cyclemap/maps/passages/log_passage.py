@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
@@ -18,7 +16,6 @@ from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
     KilledChain,
-    arc_chain,
     arc_ends,
     killed_chain,
     required_inside,
@@ -47,7 +44,6 @@ def log10_passage_time(
     arc: Arc,
     *,
     lifted: bool = False,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
@@ -62,8 +58,6 @@ def log10_passage_time(
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and 2e-14 of ln T for
     rounding; measured, and without the map's ``max_error``.
 
-    progress : called with the fraction done, at most, after each of up to five solutions. An exception ends the work.
-
     Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than 60,000
     nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two parts of the arc are each left
     less than once in 1e300 cycles.
@@ -72,27 +66,22 @@ def log10_passage_time(
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
-    tell = progress or (lambda fraction: None)
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
 
     def chain(every_sample: bool, stretch: float) -> KilledChain:
-        return arc_chain(circle_map, noise, ends, lifted, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
+        on = circle_map, noise, (ends,), None, lifted
+        return killed_chain(*on, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
     many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
-        time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted, progress=lambda done: tell(0.2 * done))
-        tell(0.2)
+        time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
         if not isinstance(noise, WrappedNormal):
             raise InvalidInput(f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known")
     for every_sample in (False, True):
-        found = []
-        for stretch in (1.0, _STRETCH):
-            found.append(_log_time(chain(every_sample, stretch), inside))
-            tell(0.2 * len(found) + (0.6 if every_sample else 0.2))
-        value, again = found
+        value, again = (_log_time(chain(every_sample, stretch), inside) for stretch in (1.0, _STRETCH))
         bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
         if bound <= _ACCEPTED:
             return Estimate(again / np.log(10.0), bound / np.log(10.0))
@@ -211,8 +200,13 @@ def _eliminated(chain: KilledChain, start: float) -> float:
     pivot = np.diag(elimination.packed)
     if not np.all(pivot[1:] > 0.0):
         raise ConvergenceError("two parts of the arc are each left less than once in 1e300 cycles: take a shorter arc")
-    shares = -np.triu(elimination.packed, 1)
-    excursion = _collected(shares, np.ones(order.size))
+
+    def collected(shares: Array, reward: Array) -> float:
+        """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U = ``shares``."""
+        left = np.eye(reward.size) - shares
+        return float(solve_triangular(left, reward, unit_diagonal=True, check_finite=False)[0])
+
+    excursion = collected(-np.triu(elimination.packed, 1), np.ones(order.size))
     moves = _log_transitions(chain)[np.ix_(order, order)]
     moves[:, 0] = -np.inf  # excursions end on their return
     out = _log_departures(chain)[order]
@@ -225,7 +219,7 @@ def _eliminated(chain: KilledChain, start: float) -> float:
             tilted[:k, low:k] += np.multiply.outer(tilted[:k, k], tilted[k, low:k])
             tilted[low:k, :low] += np.multiply.outer(tilted[low:k, k], tilted[k, :low])
         tilted[:low, :low] += tilted[:low, low:high] @ tilted[low:high, :low]
-    leaving = np.log(_collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
+    leaving = np.log(collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
     return float(np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns())))
 
 
@@ -234,12 +228,6 @@ def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
     image = chain.map(np.array([start]))
     step, left = chain.transitions(image)[0], float(np.sum(chain.departures(image)))
     return float(step @ returns / (step.sum() + left))
-
-
-def _collected(shares: Array, reward: Array) -> float:
-    """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U = ``shares``."""
-    after = solve_triangular(np.eye(reward.size) - shares, reward, unit_diagonal=True, check_finite=False)
-    return float(after[0])
 
 
 def _log_leaving(moves: Array, out: Array) -> Array:

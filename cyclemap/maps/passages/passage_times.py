@@ -17,7 +17,6 @@ from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.passages.killed_chain import (
     Arc,
     KilledChain,
-    arc_chain,
     arc_ends,
     arcs_between,
     into_arc,
@@ -39,15 +38,12 @@ def mean_passage_time(
     arc: Arc,
     *,
     lifted: bool = False,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
     lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
         path on the real line, where the arc may be a whole turn.
-    progress : called with the fraction done, at most, where uniform noise is resolved. An exception from it ends the
-        work.
 
     T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels between the map's
     breaks and samples (Nyström), is eliminated without subtraction from the exactly known chances of leaving
@@ -70,8 +66,8 @@ def mean_passage_time(
     if isinstance(noise, UniformNoise):
         from cyclemap.maps.passages.uniform_passage import uniform_passage_time
 
-        return uniform_passage_time(circle_map, noise, inside, ends, lifted, progress=progress)
-    make = partial(arc_chain, circle_map, noise, ends, lifted)
+        return uniform_passage_time(circle_map, noise, inside, ends, lifted)
+    make = partial(killed_chain, circle_map, noise, (ends,), None, lifted)
     return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
 
@@ -81,14 +77,12 @@ def hitting_probability(
     start: float,
     arc_a: Arc,
     arc_b: Arc,
-    *,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
     The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
     1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
-    ``mean_passage_time``, with its ``progress``: small chances keep their digits too. ConvergenceError also when
+    ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when
     neither arc is reached within 1e300 cycles.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
@@ -105,7 +99,7 @@ def hitting_probability(
     if isinstance(noise, UniformNoise):
         from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability
 
-        return uniform_hitting_probability(circle_map, noise, theta, a, b, progress=progress)
+        return uniform_hitting_probability(circle_map, noise, theta, a, b)
     make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
     found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
     if not np.isfinite(found):
@@ -150,7 +144,7 @@ def survival_probabilities(
     """
     count, ends = whole_number("cycles", cycles, least=0), arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    chain = arc_chain(circle_map, noise, ends, lifted)
+    chain = killed_chain(circle_map, noise, (ends,), None, lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -76,20 +76,27 @@ class Reach:
             found = more
         return found
 
-    def ahead(self, start: float) -> Intervals:
-        """A part of the domain, and little more than need be, that paths from ``start`` stay in until they leave it."""
+    def meets(self, start: float, part: Intervals) -> bool:
+        """Whether the path from ``start`` may be in ``part`` a cycle later."""
+        image = self.map(np.array([start]))
+        return bool(part.overlaps(image - self.halfwidth, image + self.halfwidth)[0])
+
+    def ahead(self, start: float) -> Reach:
+        """On a part of the domain, and little more than need be, that paths from ``start`` stay in until they leave."""
         nothing = Intervals(np.zeros(0), np.zeros(0), self.domain.wrapped)
         found = self._after(np.array([start]), np.array([start]), _WIDER, nothing)
         for _ in range(_CYCLES_AHEAD):
             if found.length == 0.0:
-                return found
-            nodes = Reach(self.map, self.cells, self.halfwidth, found).cut(self.cells.start)
+                break
+            nodes = replace(self, domain=found).cut(self.cells.start)
             inside = found.hold(0.5 * (nodes[1:] + nodes[:-1]))
             low, high = nodes[:-1][inside], nodes[1:][inside]
             if self._after(low, high, 1.0, found).length <= found.length + _SLIVER:
-                return found
+                break
             found = self._after(low, high, _WIDER, found)
-        return self.domain
+        else:
+            return self
+        return replace(self, domain=found)
 
     def _after(self, low: Array, high: Array, wider: float, known: Intervals) -> Intervals:
         """The part of the domain that is ``known`` or one cycle behind an interval [low, high] where F is monotone."""
@@ -124,8 +131,7 @@ class Reach:
 
     def preimages(self, levels: Array) -> Array:
         """Angles of [0, 2π) whose images, up to whole turns, are among ``levels``; F's breaks with them."""
-        steps = level_steps(self.map, self.cells, np.mod(levels, TWO_PI))
-        return np.append(steps.theta, self.map.breaks)
+        return np.append(level_steps(self.map, self.cells, np.mod(levels, TWO_PI))[1], self.map.breaks)
 
     def cut(self, theta: Array) -> Array:
         """The domain's ends and all turns of ``theta`` between them, sorted."""
@@ -158,22 +164,21 @@ def uniform_passage_time(
     start: float,
     ends: Arc,
     lifted: bool = False,
-    *,
-    max_panels: int = MAX_PANELS,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """``mean_passage_time`` under uniform noise on [-h, h], from ``start`` inside the arc ``ends``, radians.
 
     T(x) = 1 + (S(F(x) + h) - S(F(x) - h))/2h, S the antiderivative of T, zero outside the arc: by collocation on panels
     that end where T kinks (F(x) ± h at an end of the arc or at an earlier kink) or jumps (F's breaks), and are cut
-    until T's last coefficients are below 1e-12, or there are ``max_panels``. inf where the path can come to a part of
-    the arc that the noise is too small to leave: that part is found as a set of intervals.
+    until T's last coefficients are below 1e-12, or there are 100 panels. inf where the path can come to a part of the
+    arc that the noise is too small to leave: that part is found as a set of intervals.
 
     ``error_bound``: with r a bound on the residual of the computed T, |T - computed| <= r T, since the equation's
     kernel is positive (Collatz 1952): proved; r is measured, see ``residual``. It grows like 1e-14 T, relative;
     ConvergenceError where it would reach T/2.
     """
-    reach = _reach(circle_map, noise, Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted), start)
+    arc = Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted)
+    cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
+    reach = Reach(circle_map, cells, noise.halfwidth, arc).ahead(start)
     if reach.domain.length == 0.0:
         return Estimate(1.0, 0.0)
     if lifted:
@@ -181,17 +186,15 @@ def uniform_passage_time(
     else:
         outside = Intervals(np.array([ends[1]]), np.array([ends[0] + TWO_PI]), True)
     trap = reach.without(reach.basin(outside))
-    domain = reach.domain
     if trap.length > 0.0:
         lost = reach.basin(trap)
-        if _meets(reach, start, lost) or _meets(reach, start, trap):
+        if reach.meets(start, lost) or reach.meets(start, trap):
             return Estimate(np.inf, 0.0)
-        domain = Reach(circle_map, reach.cells, noise.halfwidth, reach.without(lost)).without(trap)
-    if domain.length == 0.0:
+        reach = replace(reach, domain=replace(reach, domain=reach.without(lost)).without(trap))
+    if reach.domain.length == 0.0:
         return Estimate(1.0, 0.0)
-    chain = _chain(reach, domain, [ends[0], ends[1]], np.ones_like, max_panels, progress)
-    slack = _certified(chain)
-    value = chain.value(chain.law, start, np.ones_like)
+    chain, slack = _chain(reach, [ends[0], ends[1]], np.ones_like)
+    value = chain.extended(chain.solutions[:, 1], start, np.ones_like)
     return Estimate(value, (slack / (1.0 - slack) + SOLUTION) * value)
 
 
@@ -201,9 +204,6 @@ def uniform_hitting_probability(
     start: float,
     arc_a: Arc,
     arc_b: Arc,
-    *,
-    max_panels: int = MAX_PANELS,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """``hitting_probability`` under uniform noise, from a ``start`` outside both arcs, which do not overlap.
 
@@ -220,79 +220,42 @@ def uniform_hitting_probability(
     def arrives(image: Array) -> Array:
         return noise.arc_probability(arc_a[0] - image, arc_a[1] - image)
 
-    def at_once() -> Estimate:
+    reach = Reach(circle_map, monotone_cells(circle_map, 1, 0.0, RESOLUTION), noise.halfwidth, rest).ahead(start)
+    if reach.domain.length > 0.0:
+        if not (reach.meets(start, goal) or reach.meets(start, reach.basin(goal))):
+            return Estimate(0.0, 0.0)
+        trap = reach.without(reach.basin(either))
+        reach = replace(reach, domain=reach.without(trap)) if trap.length > 0.0 else reach
+    if reach.domain.length == 0.0:  # at once or never
         value = float(arrives(circle_map(np.array([start])))[0])
         return Estimate(value, SOLUTION * value)
-
-    reach = _reach(circle_map, noise, rest, start)
-    if reach.domain.length == 0.0:
-        return at_once()
-    if not (_meets(reach, start, goal) or _meets(reach, start, reach.basin(goal))):
-        return Estimate(0.0, 0.0)
-    trap = reach.without(reach.basin(either))
-    domain = reach.without(trap) if trap.length > 0.0 else reach.domain
-    if domain.length == 0.0:
-        return at_once()
-    chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels, progress)
-    longest = chain.value(chain.time, start, np.ones_like) / (1.0 - _certified(chain))
-    value = float(np.clip(chain.value(chain.law, start, arrives), 0.0, 1.0))
-    return Estimate(value, min(chain.residual(chain.law, arrives) * longest + SOLUTION * value, 1.0))
-
-
-def _certified(chain: _Chain) -> float:
-    """The residual of the mean time, small enough to say something."""
-    slack = chain.residual(chain.time, np.ones_like)
-    if slack > _ACCEPTED:
-        wide = float(np.sum(chain.panels.end - chain.panels.start)) / chain.halfwidth
-        raise ConvergenceError(
-            f"the passage is too long for the noise {chain.halfwidth:g}, or {chain.panels.count} panels are too few "
-            f"for where it leads, {wide:.0f} times as wide: the equation's solution leaves a residual of {slack:.2g} "
-            "(times longer than about 1e12 cycles are beyond double precision); raise the noise or shorten the arc"
-        )
-    return slack
-
-
-def _reach(circle_map: CircleMap, noise: UniformNoise, domain: Intervals, start: float) -> Reach:
-    """The noisy map where the path from ``start`` may come to: narrow noise holds it to a small part of the domain."""
-    whole = Reach(circle_map, monotone_cells(circle_map, 1, 0.0, RESOLUTION), noise.halfwidth, domain)
-    return Reach(circle_map, whole.cells, noise.halfwidth, whole.ahead(start))
-
-
-def _meets(reach: Reach, start: float, part: Intervals) -> bool:
-    image = reach.map(np.array([start]))
-    return bool(part.overlaps(image - reach.halfwidth, image + reach.halfwidth)[0])
+    chain, slack = _chain(reach, [*arc_a, *arc_b], arrives)
+    law, time = chain.solutions.T
+    longest = chain.extended(time, start, np.ones_like) / (1.0 - slack)
+    value = float(np.clip(chain.extended(law, start, arrives), 0.0, 1.0))
+    return Estimate(value, min(chain.residual(law, arrives) * longest + SOLUTION * value, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
-class _Chain:
+class _Chain(Panels):
     """K f(x) = the integral of f over the panels within h of F(x), over 2h; ``source`` a function of F(x)."""
 
     map: CircleMap
     halfwidth: float
-    panels: Panels
     wrapped: bool
     source: Source
     missing: float  # radians of the domain that no panel covers: slivers
 
     @cached_property
-    def law(self) -> Array:
-        """Coefficients of the solution for ``source``."""
-        return self._solutions[:, 0]
-
-    @cached_property
-    def time(self) -> Array:
-        """Coefficients of the solution for the source 1: cycles until the domain is left."""
-        return self._solutions[:, 1]
-
-    @cached_property
-    def _solutions(self) -> Array:
-        images = self.map(self.panels.nodes)
+    def solutions(self) -> Array:
+        """(size, 2): coefficients for ``source``, and for the source 1: cycles until the domain is left."""
+        images = self.map(self.nodes)
         count, (at, turns) = images.size, self._ends(images)
         sign = np.repeat([1.0, -1.0], count)
-        theta = np.append(at, np.full(2 * count, self.panels.end[-1]))
-        sums = self.panels.integral_matrix(theta, np.append(sign, sign * turns), np.tile(np.arange(count), 4), count)
-        system = np.eye(self.panels.size) - self.panels.coefficients(sums / (2.0 * self.halfwidth))
-        right = self.panels.coefficients(np.stack([self.source(images), np.ones_like(images)], axis=1))
+        theta = np.append(at, np.full(2 * count, self.end[-1]))
+        sums = self.integral_matrix(theta, np.append(sign, sign * turns), np.tile(np.arange(count), 4), count)
+        system = np.eye(self.size) - self.coefficients(sums / (2.0 * self.halfwidth))
+        right = self.coefficients(np.stack([self.source(images), np.ones_like(images)], axis=1))
         factors, pivots, failed = lapack.dgetrf(system)
         if failed:
             return np.full(right.shape, np.inf)
@@ -304,18 +267,16 @@ class _Chain:
     def _ends(self, images: Array) -> tuple[Array, Array]:
         """Where S is read, F ± h brought into the domain's turn, and how many whole domains lie below."""
         at = np.concatenate([images + self.halfwidth, images - self.halfwidth])
-        origin = self.panels.start[0]
-        turns = np.floor((at - origin) / TWO_PI) if self.wrapped else np.zeros_like(at)
+        turns = np.floor((at - self.start[0]) / TWO_PI) if self.wrapped else np.zeros_like(at)
         return at - TWO_PI * turns, turns
 
     def carried(self, law: Array, images: Array) -> Array:
         """K f where F is ``images``."""
         at, turns = self._ends(images)
-        sums = self.panels.integral(law, at) + turns * float(self.panels.mass @ law)
-        above, below = np.split(sums, 2)
+        above, below = np.split(self.integral(law, at) + turns * float(self.mass @ law), 2)
         return np.asarray((above - below) / (2.0 * self.halfwidth))
 
-    def value(self, law: Array, theta: float, source: Source) -> float:
+    def extended(self, law: Array, theta: float, source: Source) -> float:
         """The solution at one angle, inside the domain or not."""
         image = self.map(np.array([theta]))
         return float((source(image) + self.carried(law, image))[0])
@@ -324,9 +285,7 @@ class _Chain:
         """Twice the largest |f - source - K f| at three times as many angles, with rounding and the map's error."""
         if not np.all(np.isfinite(law)):
             return float("inf")
-        theta = self.panels.test_points
-        images = self.map(theta)
-        here = self.panels.value(law, theta)
+        images, here = self.map(self.test_points), self.value(law, self.test_points)
         worst = float(np.max(np.abs(here - source(images) - self.carried(law, images))))
         largest = float(np.max(np.abs(here)))
         rounding = 8.0 * EPS * (1.0 + np.pi / self.halfwidth) * largest
@@ -334,21 +293,17 @@ class _Chain:
         return 2.0 * worst + rounding + moved + self.missing * largest / self.halfwidth
 
 
-def _chain(
-    reach: Reach,
-    domain: Intervals,
-    marks: list[float],
-    source: Source,
-    most: int,
-    progress: Callable[[float], None] | None = None,
-) -> _Chain:
-    """Panels on which the solution is resolved; ``marks`` are the ends of the arcs that matter."""
-    inner = Reach(reach.map, reach.cells, reach.halfwidth, domain)
+def _chain(reach: Reach, marks: list[float], source: Source) -> tuple[_Chain, float]:
+    """Panels on which the solution is resolved, and the residual of the mean time, small enough to say something.
+
+    marks : the ends of the arcs that matter.
+    """
+    domain, halfwidth = reach.domain, reach.halfwidth
     edges = np.concatenate([domain.start, domain.end, np.array(marks)])
     # Kinks: angles x with F(x) ± h at an edge (generation 0), or at a kink of the generation before.
-    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, inner.map.breaks)
+    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, reach.map.breaks)
     for step in range(_GENERATIONS):
-        found = inner.cut(inner.preimages(np.append(values - inner.halfwidth, values + inner.halfwidth)))
+        found = reach.cut(reach.preimages(np.append(values - halfwidth, values + halfwidth)))
         fresh = found[~np.isin(found, theta)]
         if theta.size + fresh.size > _MOST and step > 0:
             break
@@ -359,14 +314,23 @@ def _chain(
 
     def chain(panels: Panels) -> _Chain:
         missing = max(domain.length - float(np.sum(panels.end - panels.start)), 0.0)
-        return _Chain(reach.map, reach.halfwidth, panels, domain.wrapped, source, missing)
-
-    ends = np.array([domain.start[0], domain.end[-1]])
-    for more in (domain.start, domain.end, inner.cut(reach.map.breaks), kinks.upto(0).theta):
-        ends = with_ends(ends, more)
+        intervals = panels.start, panels.end, panels.bent
+        return _Chain(*intervals, reach.map, halfwidth, domain.wrapped, source, missing)
 
     def solution(panels: Panels) -> Array:
-        trial = chain(panels)
-        return trial.law[:, None] / max(float(np.max(np.abs(trial.law))), 1.0)
+        law = chain(panels).solutions[:, 0]
+        return law[:, None] / max(float(np.max(np.abs(law))), 1.0)
 
-    return chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), most, domain.hold, progress))
+    ends = np.array([domain.start[0], domain.end[-1]])
+    for more in (domain.start, domain.end, reach.cut(reach.map.breaks), kinks.upto(0).theta):
+        ends = with_ends(ends, more)
+    made = chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), MAX_PANELS, domain.hold))
+    slack = made.residual(made.solutions[:, 1], np.ones_like)
+    if slack > _ACCEPTED:
+        wide = float(np.sum(made.end - made.start)) / halfwidth
+        raise ConvergenceError(
+            f"the passage is too long for the noise {halfwidth:g}, or {made.count} panels are too few "
+            f"for where it leads, {wide:.0f} times as wide: the equation's solution leaves a residual of {slack:.2g} "
+            "(times longer than about 1e12 cycles are beyond double precision); raise the noise or shorten the arc"
+        )
+    return made, slack

@@ -223,7 +223,7 @@ def _visit_moments(
     if bandwidth > _MAX_BANDWIDTH or theta.size > _MAX_NODES:
         return None
     image = circle_map(theta)
-    kernel = noise.line_density(theta - image[:, None])
+    kernel = noise.density(theta - image[:, None], lifted=True)
     stationary = operator.density(theta) * weight
     starts = stationary - weight * (stationary @ kernel)
     out = noise.exceedance(zone.arc[1] - image) + noise.exceedance(image - zone.arc[0])
@@ -259,24 +259,9 @@ class DriftSummary:
     lag_turns: float
 
     @property
-    def mean_turn(self) -> Array:
-        """Shape (k,), radians a cycle."""
-        return np.array([one.mean_turn for one in self.summaries])
-
-    @property
-    def mean_residence_cycles(self) -> Array:
-        """Shape (k,), cycles; nan where the frozen map has no slow zone."""
-        return np.array([one.mean_residence_cycles for one in self.summaries], dtype=np.float64)
-
-    @property
-    def step(self) -> Array:
-        """Shape (k,), radians; nan where the frozen map has no slow zone."""
-        return np.array([one.step for one in self.summaries], dtype=np.float64)
-
-    @property
     def steps(self) -> float | None:
         """Steps expected over the run, ``turns`` × 2π/step; None where the step changes or there is none."""
-        height = self.step
+        height = np.array([one.step for one in self.summaries], dtype=np.float64)
         return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
 
 

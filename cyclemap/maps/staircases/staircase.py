@@ -234,11 +234,6 @@ class Staircase:
         """Number of cycles."""
         return int(self.theta.size - 1)
 
-    @property
-    def mean_turn(self) -> float:
-        """(θ_N - θ_0)/N, radians a cycle."""
-        return float((self.theta[-1] - self.theta[0]) / self.cycles)
-
 
 def sample_staircase(
     circle_map: CircleMap | DriftingMap,

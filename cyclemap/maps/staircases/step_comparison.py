@@ -98,8 +98,9 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
         turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
         net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
         if steps.count >= 2:
-            surplus = steps.heights - turn * steps.periods
-            between = steps.cycles * float(np.mean(surplus**2) / np.mean(steps.periods))
+            periods = np.diff(steps.start)
+            surplus = steps.heights - turn * periods
+            between = steps.cycles * float(np.mean(surplus**2) / np.mean(periods))
             within = 2.0 * float(np.mean(steps.scatter**2))
             error = float(np.sqrt(between + within) / prediction.step)
         if error and steps.count >= _FEWEST_PERIODS:

@@ -66,11 +66,6 @@ class Steps:
         return self.end - self.start + 1
 
     @property
-    def periods(self) -> Whole:
-        """Shape (m - 1,), cycles from the start of each dwell to the start of the next."""
-        return np.diff(self.start)
-
-    @property
     def censored(self) -> Mask:
         """Shape (m,): the path begins or ends in this dwell, which lasted longer than was seen."""
         return np.asarray((self.start == 0) | (self.end == self.cycles))

@@ -1,5 +1,8 @@
 """Branches of periodic orbits, and saddle-nodes, period doublings and border collisions on them."""
 
+from fractions import Fraction
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -14,23 +17,13 @@ from cyclemap.maps import (
     saddle_nodes,
     tongue,
 )
+from tests.maps.known_maps import contraction, plateau
 
 TWO_PI = 2 * np.pi
 
 
 def arnold(K):
     return lambda omega: CircleMap.arnold(omega, K)
-
-
-def jumping(delta):
-    """x → 0.6 x + δ mod 1 with an upward jump at the integers."""
-
-    def lift(theta):
-        x = theta / TWO_PI
-        whole = np.floor(x)
-        return TWO_PI * (0.6 * (x - whole) + delta + whole)
-
-    return CircleMap(lift, lambda theta: np.full_like(theta, 0.6), breaks=[0.0])
 
 
 KNOTS = np.array([-np.pi, -1.0, 0.0, np.pi])
@@ -113,7 +106,7 @@ def test_a_broken_line_has_its_border_collisions_at_its_corners_moving_or_not(dr
 
 
 def test_a_branch_ends_where_a_point_meets_a_jump():
-    fixed = follow_orbit(jumping, np.pi, (-0.5, 1.5), at=0.2)
+    fixed = follow_orbit(partial(contraction, 0.6), np.pi, (-0.5, 1.5), at=0.2)
     assert fixed.ends == ("jump", "jump")
     low, high = sorted(fixed.special, key=lambda one: float(one.parameter))
     assert low.parameter.holds(0.0)
@@ -121,10 +114,11 @@ def test_a_branch_ends_where_a_point_meets_a_jump():
     assert low.jump and high.jump and not high.folds
     assert np.max(np.abs(fixed.points[:, 0] - TWO_PI * fixed.parameter / 0.4)) < 1e-13
     # Period 2 lives on (1 - λ)(1 + λ/(1 + λ))... between its two collisions; the right one in closed form.
-    double = follow_orbit(jumping, periodic_orbits(jumping(0.65), 2, 1)[0], (0.0, 1.5), at=0.65)
+    double = follow_orbit(
+        partial(contraction, 0.6), periodic_orbits(contraction(0.6, 0.65), 2, 1)[0], (0.0, 1.5), at=0.65
+    )
     edge = max(float(one.parameter) for one in double.special)
-    k = np.arange(200)
-    assert abs(edge - 0.4 * (1 + np.sum(((k + 1) // 2 - k // 2) * 0.6**k))) < 1e-14
+    assert abs(edge - plateau(0.6, Fraction(1, 2))[1]) < 1e-14
     assert double.ends == ("jump", "jump")
 
 
@@ -203,6 +197,13 @@ def tent(p):
         return x + p + 0.5 * np.abs(np.mod(x + np.pi, TWO_PI) - np.pi)
 
     return CircleMap(lift, None, breaks=[0.0, np.pi])
+
+
+def test_each_kind_of_bifurcation_has_a_list_of_its_own():
+    [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.5, 2.5), resolution=2)
+    assert flip.parameter.holds(np.hypot(2.0, 0.2 * np.pi))
+    [corner] = border_collisions(tent, (-0.5, 0.5), resolution=3)
+    assert corner.parameter.holds(0.0)
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from cyclemap.maps import (
     saddle_nodes,
 )
 from cyclemap.maps.orbits.rotation_number import weighted_mean
+from tests.maps.known_maps import KNOWN_TURNS
 
 
 def of_strength(K):
@@ -64,14 +65,9 @@ def test_a_rotation_has_none_and_a_doubling_map_has_ln_2():
 
 
 TWO_PI = 2 * np.pi
-KNOWN = [
-    (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
-    (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
-    (CircleMap.arnold(0.6, 0.5), 0.602894830374585070928578946844),
-]
 
 
-@pytest.mark.parametrize(("circle_map", "turns"), KNOWN)
+@pytest.mark.parametrize(("circle_map", "turns"), KNOWN_TURNS)
 def test_the_error_bound_holds_at_every_length_and_falls_faster_than_any_power(circle_map, turns):
     means = [birkhoff_average(circle_map, iterates=n, start=1.0) for n in (100, 300, 1000, 3000, 10000)]
     errors = [abs(mean - TWO_PI * turns) for mean in means]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, tongue
+from cyclemap.maps import CircleMap
 from cyclemap.maps.families.family import break_motion, parameter_tangent
 
 TWO_PI = 2 * np.pi
@@ -74,18 +74,3 @@ def test_break_motion_pairs_breaks_round_the_circle():
         assert np.allclose(break_motion(breaks, moved), shift, atol=1e-14)
     with pytest.raises(InvalidInput, match="3 and 2 breaks"):
         break_motion(breaks, breaks[:2])
-
-
-@pytest.mark.parametrize(
-    ("family", "ends", "words"),
-    [
-        (lambda p: p + 1.0, (-1.0, 1.0), r"family\(-1\) is 0\.0: it must return a CircleMap"),
-        (3.0, (-1.0, 1.0), "give a callable"),
-        (CircleMap.rigid, (1.0, 1.0), "low end must lie below"),
-        (CircleMap.rigid, 1.0, "give a pair"),
-        (CircleMap.rigid, (0.0, np.nan), "finite number"),
-    ],
-)
-def test_bad_families_are_refused(family, ends, words):
-    with pytest.raises(InvalidInput, match=words):
-        tongue(family, 0, ends)

@@ -12,10 +12,10 @@ from cyclemap.maps import (
     MOEBIUS_FAMILY,
     CircleMap,
     ParametricLift,
-    rotation_number,
     rotation_numbers,
     rotation_plane,
 )
+from tests.maps.known_maps import plateau
 
 TWO_PI = 2 * np.pi
 
@@ -41,41 +41,12 @@ def test_a_hundred_thousand_moebius_maps_hold_the_closed_form():
     assert np.mean(locked[inside]) > 0.95
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("tolerance", [3e-2, 3e-4])
-def test_sine_maps_agree_with_long_single_runs_and_meet_the_tolerance(tolerance):
-    rng = np.random.default_rng(1)
-    omega, strength = rng.uniform(-2, 2, 240), rng.uniform(-1, 1, 240)
-    strength[:40], strength[40:80] = 1.0, 10 ** rng.uniform(-9, -2, 40)
-    omega[80:120] = strength[80:120] / TWO_PI
-    found = rotation_numbers(ARNOLD_FAMILY, omega, strength, tolerance=tolerance)
-    assert np.max(found.upper - found.lower) <= 2 * tolerance
-    compared = 0
-    for i in range(240):
-        one = rotation_number(CircleMap.arnold(omega[i], strength[i]), iterates=3000)
-        assert found.lower[i] <= one.upper
-        assert one.lower <= found.upper[i]
-        assert abs(found.value[i] - one.value) <= tolerance + (one.upper - one.lower)
-        if found.period[i] and one.locked is not None:
-            assert one.locked == Fraction(int(found.winding[i]), int(found.period[i]))
-            compared += 1
-    assert compared >= 30
-
-
 def contraction_family(slope):
     def lift(theta, shift):
         turns = np.floor(theta / TWO_PI)
         return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
 
     return ParametricLift(lift, lambda theta, shift: slope + 0.0 * theta * shift, breaks=[0.0])
-
-
-def plateau(slope, ratio):
-    """The δ where x → λx + δ (mod 1) has ρ = p/q: up to (1 - λ)(1 + Σ_k (⌊(k+1)ρ⌋ - ⌊kρ⌋) λ^k)."""
-    p, q, k = ratio.numerator, ratio.denominator, np.arange(400)
-    right = (1 - slope) * (1 + np.sum(((k + 1) * p // q - k * p // q) * slope**k))
-    left = (1 - slope) * np.sum((-(-(k + 1) * p // q) + (-k * p // q)) * slope**k)
-    return left, right
 
 
 def test_contractions_with_a_jump_hold_their_staircase():
@@ -188,7 +159,6 @@ def test_folded_maps_show_their_rotation_interval(family):
     np.testing.assert_allclose(plane.upper[:, 1], [1 / 2, 5 / 6], atol=1e-15)
     assert np.all((plane.lower <= plane.value) & (plane.value <= plane.upper))
     assert np.all(plane.period[:, 1] == 0)
-    assert plane.locked(0, 1) is None
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,14 @@
 
 from decimal import Decimal, getcontext
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
+from tests.maps.known_maps import contraction, plateau
 
 TWO_PI = 2 * np.pi
 WIDE = (-0.5, 1.5)
@@ -86,34 +88,18 @@ def test_the_moebius_family_locks_at_zero_only(a):
         assert found.left.holds(np.arccos(np.sqrt(1 - a * a) * np.cos(np.pi * p / q)) / np.pi)
 
 
-def contraction(factor):
-    """x → λx + δ mod 1 as a lift with an upward jump at the integers."""
-
-    def family(delta):
-        def lift(theta):
-            x = theta / TWO_PI
-            whole = np.floor(x)
-            return TWO_PI * (factor * (x - whole) + delta + whole)
-
-        return CircleMap(lift, lambda theta: np.full_like(theta, factor), breaks=[0.0])
-
-    return family
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("factor", "ratios"), [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])]
 )
 def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratios):
     for p, q in ratios:
-        k = np.arange(4000)
-        digits = ((k + 1) * p) // q - (k * p) // q
-        edge = (1 - factor) * (1 + np.sum(digits * factor**k))
-        found = tongue(contraction(factor), (p, q), (-1.5, 2.5))
+        edge = float(plateau(Fraction(factor), Fraction(p, q))[1])
+        found = tongue(partial(contraction, factor), (p, q), (-1.5, 2.5))
         assert abs(found.right - edge) <= found.right.error_bound + 1e-15
         assert found.right.error_bound < 1e-13
         inside = 0.5 * (found.left + found.right)
-        assert rotation_number(contraction(factor)(inside), iterates=4000).locked == Fraction(p, q)
+        assert rotation_number(contraction(factor, inside), iterates=4000).locked == Fraction(p, q)
 
 
 def kinked(delta):
@@ -255,6 +241,11 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
         (lambda p: CircleMap.arnold(-p, 0.9), 0, (-0.5, 0.5), "the family falls"),
         (lambda p: CircleMap.arnold(p + 0.3 * np.sin(40 * p), 0.9), (1, 3), (-0.5, 1.0), "the family falls"),
         (lambda p: CircleMap(lambda x: 2 * x + p, degree=2), 0, (-0.5, 0.5), "degree 2"),
+        (lambda p: p + 1.0, 0, (-1.0, 1.0), r"family\(-1\) is 0\.0: it must return a CircleMap"),
+        (3.0, 0, (-1.0, 1.0), "give a callable"),
+        (CircleMap.rigid, 0, (1.0, 1.0), "low end must lie below"),
+        (CircleMap.rigid, 0, 1.0, "give a pair"),
+        (CircleMap.rigid, 0, (0.0, np.nan), "finite number"),
     ],
 )
 def test_what_has_no_tongue_is_refused(family, ratio, within, words):

@@ -7,17 +7,10 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
+from tests.maps.known_maps import wavy, wavy_slope
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-15.0, 15.0, 3001)
-
-
-def wavy(x):
-    return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
-
-
-def wavy_slope(x):
-    return 1 + 0.3 * np.cos(x) + 0.2 * np.sin(2 * x)
 
 
 def lines(slopes, offsets, start, seams, degree, derivative):
@@ -88,8 +81,8 @@ def one(x):
 
 
 BAD_BRANCHES = {
-    "is empty": [],
-    "give a list": 3,
+    r"is \[\]: give a list .* at least one": [],
+    "is 3: give a list": 3,
     r"branch 0 is \(0, 1\)": [(0, 1)],
     "branch 1 starts at 2.5 but branch 0 ends at 2: a gap of 0.5": [(0, 2, one, None), (2.5, TWO_PI, one, None)],
     "an overlap of 0.25": [(0, 2, one, None), (1.75, TWO_PI, one, None)],

@@ -5,6 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, VonMises, WrappedCauchy, WrappedNormal, transfer_operator
+from tests.maps.known_maps import TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 JUMPING = CircleMap(lambda x: x + np.where(np.mod(x, TWO_PI) < 3.0, 1.0, -0.8), np.ones_like, [0.0, 3.0])
@@ -46,8 +47,7 @@ def test_monte_carlo_spreads_as_fast(noise, circle_map):
 
 def test_two_equal_wells_make_a_walk_of_half_turns():
     """Hops of ±π at rate Γ give D = π²Γ/2 and an eigenvalue 1 - 2Γ, so D = (π²/4)·gap where hops are rare."""
-    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
-    law = transfer_operator(twin, WrappedNormal(0.3))
+    law = transfer_operator(TWIN_WELLS, WrappedNormal(0.3))
     assert law.spectral_gap < 1e-3
     assert law.diffusion == pytest.approx(0.25 * np.pi**2 * law.spectral_gap, rel=1e-2)
 

@@ -16,6 +16,7 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator import fourier_basis as module
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
+from tests.maps.known_maps import TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 400, endpoint=False)
@@ -101,8 +102,7 @@ def test_peaks_stand_at_the_stable_points_when_noise_is_small():
     for sigma, allowed in ((0.05, 2e-3), (0.02, 3e-4)):
         (peak,) = transfer_operator(STICKY, WrappedNormal(sigma)).peaks()
         assert abs(peak - fixed_points(STICKY)[0].points[0]) < allowed
-    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
-    peaks = transfer_operator(twin, WrappedNormal(0.2)).peaks()
+    peaks = transfer_operator(TWIN_WELLS, WrappedNormal(0.2)).peaks()
     np.testing.assert_allclose(np.sort(np.mod(peaks + 0.5, TWO_PI)), [0.5, np.pi + 0.5], atol=1e-9)
 
 
@@ -238,11 +238,10 @@ def test_the_maps_own_error_is_covered_to_first_order(name):
 
 def test_a_law_that_noise_cannot_decide_says_so():
     """Two wells that noise of 0.06 rad connects once in 1e30 cycles: any mixture is as stationary as any other."""
-    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
-    law = transfer_operator(twin, WrappedNormal(0.06))
+    law = transfer_operator(TWIN_WELLS, WrappedNormal(0.06))
     assert not law.is_certain
     assert law.error_bound > 0.1
-    assert transfer_operator(twin, WrappedNormal(0.3)).is_certain
+    assert transfer_operator(TWIN_WELLS, WrappedNormal(0.3)).is_certain
 
 
 MAP, NOISE, MODES = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.2), 40

@@ -5,17 +5,9 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, basins, fixed_points, periodic_orbits
+from tests.maps.known_maps import DOUBLING, contraction, logistic
 
 TWO_PI = 2 * np.pi
-
-
-def logistic(r):
-    return CircleMap(
-        lambda t: TWO_PI * r * (np.mod(t, TWO_PI) / TWO_PI) * (1 - np.mod(t, TWO_PI) / TWO_PI),
-        lambda t: r * (1 - 2 * np.mod(t, TWO_PI) / TWO_PI),
-        [0.0],
-        degree=0,
-    )
 
 
 def twin_wells():
@@ -25,13 +17,6 @@ def twin_wells():
     )
 
 
-def contraction(x):
-    turns = np.floor(x / TWO_PI)
-    return 0.6 * (x - TWO_PI * turns) + 0.77 * TWO_PI + TWO_PI * turns
-
-
-GAPPED = CircleMap(contraction, lambda x: np.full_like(x, 0.6), [0.0])
-
 MAPS = {
     "locked": CircleMap.arnold(0.1, 0.9),
     "locked at 1/2": CircleMap.arnold(0.5, 0.9),
@@ -39,7 +24,7 @@ MAPS = {
     "period two behind a fold": CircleMap.arnold(0.3, 3.0),
     "logistic 3.2": logistic(3.2),
     "degree two": CircleMap(lambda x: 2 * x - 1.5 * np.sin(x), lambda x: 2 - 1.5 * np.cos(x), degree=2),
-    "with a gap": GAPPED,
+    "with a gap": contraction(0.6, 0.77),
     "twin wells": twin_wells(),
     "Möbius": CircleMap.moebius(0.5, 0.1),
 }
@@ -137,8 +122,7 @@ def test_more_arcs_leave_less_undecided_and_the_first_ones_stand():
 
 
 def test_where_nothing_is_stable_there_is_no_basin():
-    doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
-    assert basins(doubling, max_period=4) == ()
+    assert basins(DOUBLING, max_period=4) == ()
     assert basins(CircleMap.rigid(0.1234), max_period=3) == ()
     assert [p.kind for p in fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))] == ["saddle-node"]
     assert basins(CircleMap.arnold(0.9 / TWO_PI, 0.9), max_period=2) == ()

@@ -5,18 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cyclemap.maps import CircleMap, crossings_by_jump, fixed_points, periodic_orbits
+from cyclemap.maps import CircleMap, conjugate, crossings_by_jump, fixed_points, periodic_orbits
+from tests.maps.known_maps import DOUBLING, contraction
 
 TWO_PI = 2 * np.pi
-
-
-def rotated(circle_map, angle):
-    return CircleMap(
-        lambda x: circle_map(x - angle) + angle,
-        lambda x: circle_map.derivative(x - angle),
-        circle_map.breaks + angle,
-        circle_map.degree,
-    )
 
 
 def test_points_lie_on_their_orbit_in_order_of_visit():
@@ -38,7 +30,7 @@ def test_points_lie_on_their_orbit_in_order_of_visit():
 def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omega, strength):
     sine = CircleMap.arnold(omega, strength)
     for period in (1, 2):
-        plain, moved = periodic_orbits(sine, period), periodic_orbits(rotated(sine, angle), period)
+        plain, moved = periodic_orbits(sine, period), periodic_orbits(conjugate(sine, angle), period)
         assert len(plain) == len(moved)
         expected = sorted(orbit.multiplier for orbit in plain)
         np.testing.assert_allclose(sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6)
@@ -73,11 +65,7 @@ def test_a_touch_at_a_kink_is_one_saddle_node():
 
 
 def test_a_jump_across_the_diagonal_is_a_crossing_and_no_fixed_point():
-    def contraction(x):
-        turns = np.floor(x / TWO_PI)
-        return 0.6 * (x - TWO_PI * turns) + 1.1 * TWO_PI + TWO_PI * turns
-
-    gap = CircleMap(contraction, lambda x: np.full_like(x, 0.6), [0.0])
+    gap = contraction(0.6, 1.1)
     (stable,) = fixed_points(gap)
     np.testing.assert_allclose(stable.points, [0.25 * TWO_PI])
     assert (stable.winding, stable.kind) == (1, "stable")
@@ -100,13 +88,12 @@ def test_orbits_of_a_map_with_jumps_avoid_false_crossings():
 
 def test_each_orbit_knows_how_far_its_points_may_be_off():
     # Orbits of the doubling map in closed form: points k/(2ⁿ - 1) turns.
-    doubling = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
-    orbits = periodic_orbits(doubling, 7)
+    orbits = periodic_orbits(DOUBLING, 7)
     assert len(orbits) == 18
     for orbit in orbits:
         truth = TWO_PI * np.round(orbit.points / TWO_PI * 127) / 127
         assert np.max(np.abs(orbit.points - truth)) <= orbit.error_bound < 1e-13
-    by_winding = [o.winding for w in range(127) for o in periodic_orbits(doubling, 7, w)]
+    by_winding = [o.winding for w in range(127) for o in periodic_orbits(DOUBLING, 7, w)]
     assert by_winding == [o.winding for o in orbits]
     (touch,) = fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))
     # |g| ≤ tangency lets the roots be anywhere within √(2e-12/0.9).

@@ -7,19 +7,9 @@ import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, periodic_points
+from tests.maps.known_maps import DOUBLING, contraction, logistic
 
 TWO_PI = 2 * np.pi
-DOUBLING = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
-
-
-def logistic(r):
-    """x → r x(1 - x) with x in [0, 1) in turns: a lift of degree 0 with a kink at 0."""
-    return CircleMap(
-        lambda t: TWO_PI * r * (np.mod(t, TWO_PI) / TWO_PI) * (1 - np.mod(t, TWO_PI) / TWO_PI),
-        lambda t: r * (1 - 2 * np.mod(t, TWO_PI) / TWO_PI),
-        [0.0],
-        degree=0,
-    )
 
 
 def counts(found):
@@ -231,11 +221,6 @@ def test_error_bounds_hold_and_are_not_far_above_the_truth():
 
 
 def test_a_collision_with_a_jump_is_one_border_point():
-    def contraction(shift):
-        return CircleMap(
-            lambda t: 0.6 * np.mod(t, TWO_PI) + TWO_PI * (shift + np.floor(t / TWO_PI)), lambda t: 0.6 + 0 * t, [0.0]
-        )
-
     # The fixed point shift/(1 - 0.6) turns leaves through the jump at shift = 0 and at shift = 0.4.
     for shift, kinds in (
         (-1e-9, []),
@@ -245,9 +230,9 @@ def test_a_collision_with_a_jump_is_one_border_point():
         (0.4, ["border-collision"]),
         (0.4 + 1e-9, []),
     ):
-        found = periodic_points(contraction(shift), 1)
+        found = periodic_points(contraction(0.6, shift), 1)
         assert found.kind.tolist() == kinds
-        assert [p.kind for p in fixed_points(contraction(shift))] == kinds
+        assert [p.kind for p in fixed_points(contraction(0.6, shift))] == kinds
 
 
 def test_plateaus_folds_and_kinks_in_one_map_give_superstable_orbits():

@@ -1,13 +1,13 @@
 """Enclosures of rotation numbers against 10,000 random maps whose rotation number is known some other way."""
 
-from bisect import bisect_right
 from fractions import Fraction
-from math import ceil, floor
+from math import floor
 
 import numpy as np
 import pytest
 
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_interval, rotation_number, rotation_numbers
+from tests.maps.known_maps import contraction, plateau
 
 TWO_PI = 2 * np.pi
 ITERATES = 200
@@ -115,27 +115,6 @@ def test_many_at_once_hold_the_same_truths():
         assert np.sum(found.period > 0) > 400
 
 
-def plateau(slope, ratio):
-    """The δ, in exact fractions, where x → λx + δ (mod 1) has ρ = p/q: (left edge, right edge)."""
-    q = ratio.denominator
-    below = sum((floor((k + 1) * ratio) - floor(k * ratio)) * slope**k for k in range(q))
-    above = sum((ceil((k + 1) * ratio) - ceil(k * ratio)) * slope**k for k in range(q))
-    rest = 1 - slope**q
-    return (1 - slope) * above / rest, (1 - slope) * (1 + below / rest)
-
-
-def contraction(slope, shift):
-    def lift(theta):
-        turns = np.floor(theta / TWO_PI)
-        return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
-
-    def scalar(theta):
-        turns = floor(theta / TWO_PI)
-        return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
-
-    return CircleMap.with_scalar(lift, lambda theta: np.full_like(theta, slope), scalar, breaks=[0.0])
-
-
 def random_contraction(rng):
     """(λ, δ, bounds on ρ): inside a plateau, on its edges to the last bit, or a rounding unit beyond."""
     slope, ratio = rng.uniform(0.05, 0.95), Fraction(int(rng.integers(-15, 30)), int(rng.integers(1, 14)))
@@ -159,32 +138,6 @@ def test_contractions_hold_their_plateau_of_the_devils_staircase():
     assert sum(one.locked is not None for one in sure) > 250
     assert np.quantile(widths(found), 0.9) < 0.04
     assert np.median(widths(found)) < 0.005
-
-
-def piecewise_linear(nodes, values):
-    """The degree-1 lift through (nodes, values), in turns, nodes within [0, 1), straight between them."""
-    x = TWO_PI * np.concatenate([nodes[-1:] - 1, nodes, nodes[:1] + 1])
-    y = TWO_PI * np.concatenate([values[-1:] - 1, values, values[:1] + 1])
-    slopes = np.diff(y) / np.diff(x)
-    xs, ys, rates = x.tolist(), y.tolist(), slopes.tolist()
-
-    def scalar(theta):
-        turns = TWO_PI * floor(theta / TWO_PI)
-        piece = min(bisect_right(xs, theta - turns) - 1, len(rates) - 1)
-        return ys[piece] + rates[piece] * (theta - turns - xs[piece]) + turns
-
-    def piece_of(theta):
-        turns = TWO_PI * np.floor(theta / TWO_PI)
-        return np.minimum(np.searchsorted(x, theta - turns, side="right") - 1, slopes.size - 1), turns
-
-    def lift(theta):
-        piece, turns = piece_of(theta)
-        return y[piece] + slopes[piece] * (theta - turns - x[piece]) + turns
-
-    def derivative(theta):
-        return slopes[piece_of(theta)[0]]
-
-    return CircleMap.with_scalar(lift, derivative, scalar, breaks=x[1:-1])
 
 
 def tent_interval(slope, shift, period):
@@ -211,9 +164,10 @@ def tent_interval(slope, shift, period):
 def random_tent(rng):
     slope, period = int(rng.integers(2, 6)), int(rng.integers(2, 40))
     shift = int(rng.integers(-2 * period, 3 * period))
-    bend = (1 + slope) / (2 * slope)
-    made = piecewise_linear(np.array([0.0, bend]), np.array([0.0, slope * bend]) + shift / period)
-    return made, tent_interval(slope, shift, period)
+    bend, up = TWO_PI * (1 + slope) / (2 * slope), TWO_PI * shift / period
+    rising = (0.0, bend, lambda x: slope * x + up, lambda x: np.full_like(x, slope))
+    falling = (bend, TWO_PI, lambda x: TWO_PI - slope * (x - TWO_PI) + up, lambda x: np.full_like(x, -slope))
+    return CircleMap.from_branches([rising, falling]), tent_interval(slope, shift, period)
 
 
 @pytest.mark.slow

@@ -16,19 +16,13 @@ from cyclemap.maps import (
     upper_envelope,
 )
 from cyclemap.maps.orbits.envelopes import largest_descent
+from tests.maps.known_maps import DOUBLING, KNOWN_TURNS
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)
 
 
-KNOWN = [
-    (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
-    (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
-    (CircleMap.arnold(0.6, 0.5), 0.602894830374585070928578946844),
-]
-
-
-@pytest.mark.parametrize(("circle_map", "truth"), KNOWN)
+@pytest.mark.parametrize(("circle_map", "truth"), KNOWN_TURNS)
 def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     found = rotation_number(circle_map)
     assert abs(found.value - truth) < 1e-14
@@ -185,19 +179,14 @@ def test_envelopes_claim_the_error_of_their_levels():
     assert abs(raised(0.0) - top) <= raised.max_error + 4e-16
     assert abs(lowered(0.0) - (TWO_PI * 0.6 - top)) <= lowered.max_error + 4e-16
     assert 0.0 < raised.max_error < 1e-13
-
-
-def test_a_monotone_map_is_its_own_envelope():
-    sine = CircleMap.arnold(0.3, 0.9)
-    assert upper_envelope(sine) is sine
-    assert lower_envelope(sine) is sine
+    sine = CircleMap.arnold(0.3, 0.9)  # which does not fold is its own envelope
+    assert upper_envelope(sine) is sine and lower_envelope(sine) is sine
 
 
 def test_other_degrees_and_bad_counts_are_refused():
-    doubling = CircleMap(lambda x: 2 * x, degree=2)
     for ask in (rotation_number, rotation_interval, upper_envelope, lower_envelope):
         with pytest.raises(InvalidInput, match="degree"):
-            ask(doubling)
+            ask(DOUBLING)
     for ask in (rotation_number, rotation_interval):
         for name, bad in (("iterates", 0), ("max_period", 0), ("tolerance", -1.0)):
             with pytest.raises(InvalidInput, match=name):

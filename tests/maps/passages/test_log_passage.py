@@ -78,17 +78,3 @@ def test_a_chain_that_wider_noise_makes_no_coarser_is_eliminated(monkeypatch):
     monkeypatch.setattr("cyclemap.maps.passages.log_passage._FEW", 60)
     eliminated = log10_passage_time(stuck, noise, 0.77, arc, lifted=True)
     assert abs(eliminated - swept) <= eliminated.error_bound + swept.error_bound < 1e-6
-
-
-@pytest.mark.slow
-def test_progress_rises_and_may_end_the_work():
-    seen = []
-    stuck, wide = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.028)
-    found = log10_passage_time(stuck, wide, 0.77, (-3.0, 2.37), lifted=True, progress=seen.append)
-    assert found > 300 and len(seen) >= 3 and seen == sorted(seen) and seen[0] > 0.0 and seen[-1] <= 1.0
-
-    def stop(fraction):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        log10_passage_time(stuck, wide, 0.77, (-3.0, 2.37), lifted=True, progress=stop)

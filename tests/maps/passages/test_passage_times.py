@@ -19,7 +19,8 @@ from cyclemap.maps import (
     survival_probabilities,
     transfer_operator,
 )
-from cyclemap.maps.passages.killed_chain import arc_chain, eliminated
+from cyclemap.maps.passages.killed_chain import eliminated, killed_chain
+from tests.maps.known_maps import DROPPING, simulated, within
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -32,19 +33,6 @@ def two_wells():
     return CircleMap(
         lambda x: x + 0.05 - 0.4 * np.sin(2 * x) + 0.1 * np.cos(x), lambda x: 1 - 0.8 * np.cos(2 * x) - 0.1 * np.sin(x)
     )
-
-
-def simulated_lives(circle_map, noise, start, inside, paths, seed):
-    """Cycles until ``inside`` first fails, for many paths."""
-    rng = np.random.default_rng(seed)
-    theta, lives = np.full(paths, start), np.zeros(paths)
-    alive = np.arange(paths)
-    while alive.size:
-        theta = circle_map(theta) + noise.sample(rng, alive.size)
-        lives[alive] += 1
-        stays = inside(theta)
-        theta, alive = theta[stays], alive[stays]
-    return lives
 
 
 def test_the_known_passage_out_of_a_quarter_turn():
@@ -88,7 +76,7 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
-            chain = arc_chain(STICKY, law, arc, False, every_sample=False, stretch=stretch)
+            chain = killed_chain(STICKY, law, (arc,), None, False, every_sample=False, stretch=stretch)
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
             assert error <= bound + exact.error_bound
@@ -133,16 +121,10 @@ def test_elimination_agrees_with_plain_solutions_and_blocks_change_nothing():
 
 @pytest.mark.slow
 def test_hitting_probability_against_monte_carlo():
-    noise, rng, paths = WrappedNormal(0.4), np.random.default_rng(10), 100_000
-    a, b = (2.2, 3.0), (5.0, 6.0)
-    theta, won = np.full(paths, STABLE), 0
-    while theta.size:
-        theta = np.mod(STICKY(theta) + noise.sample(rng, theta.size), TWO_PI)
-        in_a, in_b = (theta >= a[0]) & (theta <= a[1]), (theta >= b[0]) & (theta <= b[1])
-        won += int(in_a.sum())
-        theta = theta[~(in_a | in_b)]
+    noise, a, b = WrappedNormal(0.4), (2.2, 3.0), (5.0, 6.0)
+    _, last = simulated(STICKY, noise, STABLE, lambda x: within(x, a) | within(x, b), 100_000)
     found = transfer_operator(STICKY, noise).hitting_probability(STABLE, a, b)
-    assert abs(found - won / paths) < 4 * np.sqrt(found * (1 - found) / paths)
+    assert abs(found - np.mean(within(last, a))) < 4 * np.sqrt(found * (1 - found) / last.size)
 
 
 @pytest.mark.slow
@@ -165,16 +147,13 @@ def test_a_map_with_a_jump_that_it_hides_is_not_certified():
     assert found.error_bound < 1e-12
 
 
-DOWN = CircleMap.from_samples([0, 2, 2, 4, 6], [0.7, 2.3, 1.6, 3.8, 6.5], [0.8] * 5)
-
-
 @pytest.mark.parametrize(
-    ("circle_map", "sigma", "start", "arc"), [(STICKY, 0.35, STABLE, (-0.03, 1.87)), (DOWN, 0.3, 1.0, (0.5, 3.0))]
+    ("circle_map", "sigma", "start", "arc"), [(STICKY, 0.35, STABLE, (-0.03, 1.87)), (DROPPING, 0.3, 1.0, (0.5, 3.0))]
 )
 def test_monte_carlo_agrees(circle_map, sigma, start, arc):
     """Times and survival of many paths, of a map that jumps inside the arc, too."""
     noise, paths = WrappedNormal(sigma), 60_000
-    lives = simulated_lives(circle_map, noise, start, lambda x: np.mod(x - arc[0], TWO_PI) <= arc[1] - arc[0], paths, 8)
+    lives, _ = simulated(circle_map, noise, start, lambda x: ~within(x, arc), paths)
     found = mean_passage_time(circle_map, noise, start, arc)
     assert abs(found - lives.mean()) < 4 * lives.std() / np.sqrt(paths) and found.error_bound < 1e-11 * found
     chances = survival_probabilities(circle_map, noise, start, arc, 40)

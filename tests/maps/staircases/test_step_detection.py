@@ -31,24 +31,14 @@ def test_a_staircase_without_noise_is_found_exactly():
         assert np.flatnonzero(found.censored).tolist() == [0, 59]
 
 
-def test_a_rotation_and_a_pure_drift_have_no_dwells():
-    n = np.arange(3_000.0)
-    paths = [0.01 * n, -0.3 * n, 4e-4 * n, sample_staircase(CircleMap.rigid(0.13), None, 3_000).theta]
-    paths.append(0.02 * n + 1e-6 * n**2)
-    for path in paths:
+def test_rotations_drifts_with_and_without_noise_and_random_walks_have_no_dwells():
+    n, rng = np.arange(1_500.0), np.random.default_rng(3)
+    for path in (0.01 * n, -0.3 * n, 8e-4 * n, TWO_PI * 0.13 * n, 0.02 * n + 1e-6 * n**2):
         assert find_steps(path).start.size == 0
-
-
-def test_noisy_drifts_and_random_walks_have_no_dwells():
-    rng = np.random.default_rng(3)
-    n = np.arange(1_500.0)
-    found = []
     for speed in (0.01, 0.05, 0.2):
         for sigma in (0.02, 0.1, 0.3):
-            found.append(find_steps(speed * n + rng.normal(0, sigma, n.size)))
-            found.append(find_steps(np.cumsum(rng.normal(speed, sigma, n.size))))
-    assert len(found) == 18
-    assert sum(steps.count > 0 for steps in found) == 0
+            assert find_steps(speed * n + rng.normal(0, sigma, n.size)).count == 0
+            assert find_steps(np.cumsum(rng.normal(speed, sigma, n.size))).count == 0
 
 
 def test_a_path_that_never_leaves_its_level_is_one_dwell_open_at_both_ends():

@@ -1,0 +1,67 @@
+"""Maps whose orbits, rotation and passages are known, for all tests of the room."""
+
+from math import ceil, floor
+
+import numpy as np
+
+from cyclemap.maps import CircleMap
+
+TWO_PI = 2 * np.pi
+TWIN_WELLS = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+DROPPING = CircleMap.from_samples([0, 2, 2, 4, 6], [0.7, 2.3, 1.6, 3.8, 6.5], [0.8] * 5)
+DOUBLING = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+KNOWN_TURNS = [
+    (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
+    (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
+    (CircleMap.arnold(0.6, 0.5), 0.602894830374585070928578946844),
+]
+
+
+def logistic(r):
+    """x → r x(1 - x) with x in [0, 1) in turns: a lift of degree 0 with a kink at 0."""
+    return CircleMap(
+        lambda t: TWO_PI * r * (np.mod(t, TWO_PI) / TWO_PI) * (1 - np.mod(t, TWO_PI) / TWO_PI),
+        lambda t: r * (1 - 2 * np.mod(t, TWO_PI) / TWO_PI),
+        [0.0],
+        degree=0,
+    )
+
+
+def contraction(slope, shift):
+    """x → λx + δ mod 1 as a lift with an upward jump at the integers."""
+    return CircleMap.from_branches(
+        [(0.0, TWO_PI, lambda x: slope * x + TWO_PI * shift, lambda x: np.full_like(x, slope))]
+    )
+
+
+def plateau(slope, ratio):
+    """The δ, in exact fractions for one of λ, where x → λx + δ (mod 1) has ρ = p/q: (left edge, right edge)."""
+    q = ratio.denominator
+    below = sum((floor((k + 1) * ratio) - floor(k * ratio)) * slope**k for k in range(q))
+    above = sum((ceil((k + 1) * ratio) - ceil(k * ratio)) * slope**k for k in range(q))
+    rest = 1 - slope**q
+    return (1 - slope) * above / rest, (1 - slope) * (1 + below / rest)
+
+
+def wavy(x):
+    return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
+
+
+def wavy_slope(x):
+    return 1 + 0.3 * np.cos(x) + 0.2 * np.sin(2 * x)
+
+
+def within(theta, ends):
+    """Whether the angles lie in the arc, both ends included."""
+    return np.mod(theta - ends[0], TWO_PI) <= ends[1] - ends[0]
+
+
+def simulated(circle_map, noise, start, stop, walkers=20_000, seed=8):
+    """Cycles and last positions of paths from ``start`` until ``stop`` says so."""
+    rng, theta, lives = np.random.default_rng(seed), np.full(walkers, start), np.zeros(walkers)
+    alive = np.arange(walkers)
+    while alive.size:
+        theta[alive] = circle_map(theta[alive]) + noise.sample(rng, alive.size)
+        lives[alive] += 1
+        alive = alive[~stop(theta[alive])]
+    return lives, theta
