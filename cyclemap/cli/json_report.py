@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from cyclemap.collection.loop import CollectionLoop, Cycle
+    from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
@@ -18,20 +18,6 @@ if TYPE_CHECKING:
     from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
-
-
-def cycle_report(start_deg: float, cycle: Cycle) -> Json:
-    """One cycle from a start angle as it was given (degrees)."""
-    dx, dy = cycle.push_displacement
-    return {
-        "theta0_deg": start_deg,
-        "push_turn_deg": degrees(cycle.push_turn),
-        "push_dx_mm": number(1000 * dx),
-        "push_dy_mm": number(1000 * dy),
-        "drag_turn_deg": degrees(cycle.drag_turn),
-        "drag_mm": number(1000 * cycle.drag_length),
-        "theta1_deg": degrees(cycle.theta_next),
-    }
 
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:

@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
-from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.options import LoopOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
@@ -23,13 +23,11 @@ SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
 def run_compare(
-    options: LoopOptions, data: Path, read: Path, first: int, select: tuple[str, ...], runs: int, seed: int,
-    out: Path, picture_format: str, json_target: str | None,
+    options: LoopOptions, data: Path, columns: str | None, units: str | None, first: int, select: tuple[str, ...],
+    runs: int, seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
-    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON.
-
-    read : the data, or what was made of a table of the user's own.
-    """
+    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
+    read = readable_data(data, columns, units, out)
     loop, sigma = chosen_loop(options, data)
     name = loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:

@@ -52,12 +52,17 @@ def list_figures(json_target: str | None) -> None:
     console.print("make them with: cyclemap figures NAME ... (or all)")
 
 
-def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, target: str | None) -> None:
-    """Make every exhibit named; what fails is told and loses none of the others.
+def run_figures(
+    names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, json_target: str | None
+) -> None:
+    """Make every exhibit named, or list them where none is; what fails is told and loses none of the others.
 
     Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read, before any work;
     CycleMapError at the end where something failed.
     """
+    if not names:
+        list_figures(json_target)
+        return
     chosen, folder = entries(names), MeasuredFolder.found(data)
     with only_writer(out):
         index = _read_index(out / INDEX_FILE)
@@ -72,7 +77,7 @@ def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_fo
             made.append(line)
             index[entry.name] = line
             write_json(out / INDEX_FILE, _in_order(index))
-            if target != "-":
+            if json_target != "-":
                 # One exhibit for people: title, rows of a table, caption, file, and whether measured data were there.
                 console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
                 if header:
@@ -87,7 +92,7 @@ def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_fo
                     console.print(f"measured data: {line['measured'] or NO_DATA}")
                 console.print(f"file: {out / str(line['file'])}\n")
         report: Json = {"figures": [*made], "failed": [*failed]}
-        publish_json(report, target)
+        publish_json(report, json_target)
         if failed:
             told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
             raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")

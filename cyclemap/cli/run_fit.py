@@ -10,6 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
+from cyclemap.cli.options import readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish, publish_json
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
@@ -51,11 +52,11 @@ NOTE_LETTERS = 60
 
 
 def run_fit(
-    data: Path, select: tuple[str, ...], harmonics: int | None, wear: bool, seed: int, out: Path, picture_format: str,
-    json_target: str | None,
+    data: Path, columns: str | None, units: str | None, select: tuple[str, ...], harmonics: int | None, wear: bool,
+    seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
-    chosen = selected_values(select)
+    data, chosen = readable_data(data, columns, units, out), selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(data, progress=report)
     if not len(pushes.table) and pushes.unreadable:

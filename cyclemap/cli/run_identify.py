@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.options import LoopOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
@@ -42,13 +42,15 @@ NOTHING = "–"
 
 
 def run_identify(
-    data: Sequence[Path], select: tuple[str, ...], protocol: Path | None, settings: tuple[str, ...], start: str | None,
-    free: str | None, fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None,
-    folds: int | None, student: float, starts: int, seed: int, out: Path, picture_format: str, json_target: str | None,
+    data: Sequence[Path], columns: str | None, units: str | None, select: tuple[str, ...], protocol: Path | None,
+    settings: tuple[str, ...], start: str | None, free: str | None, fix: tuple[str, ...], first: int, most: int,
+    wear: bool, no_priors: bool, name: str | None, folds: int | None, student: float, starts: int, seed: int, out: Path,
+    picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
+    data = [readable_data(path, columns, units, out) for path in data]
     surface, fixed = None if start is None else load_material(start), fixed_values(fix)
     loop, chosen = chosen_loop(LoopOptions("isotropic", protocol, settings), data[0])[0], selected_values(select)
     space = starting_space(loop, surface)

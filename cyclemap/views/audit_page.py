@@ -90,19 +90,19 @@ def _change(found: Audit) -> str:
     return f"For more data begin at {aim}, the orientation least covered, or with a reset that cyclemap reset finds."
 
 
+@picture_style()
 def audit_page(found: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its push's."""
-    with picture_style():
-        figure = new_figure(13.333, 7.9)
-        edges = {"left": 0.06, "right": 0.975, "bottom": 0.08, "top": 0.74}
-        grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.5, **edges)
-        draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
-        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
-        draw_worth(figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports])
-        _draw_reset(figure.add_subplot(grid[1, 0]), found)
-        figure.text(0.015, 0.965, audit_headline(found), fontsize=18, fontweight="bold", va="center")
-        told = textwrap.fill(audit_paragraph(found), _LETTERS)
-        figure.text(0.015, 0.935, told, fontsize=10, va="top", linespacing=1.35)
+    figure = new_figure(13.333, 7.9)
+    edges = {"left": 0.06, "right": 0.975, "bottom": 0.08, "top": 0.74}
+    grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.5, **edges)
+    draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
+    draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
+    draw_worth(figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports])
+    _draw_reset(figure.add_subplot(grid[1, 0]), found)
+    figure.text(0.015, 0.965, audit_headline(found), fontsize=18, fontweight="bold", va="center")
+    told = textwrap.fill(audit_paragraph(found), _LETTERS)
+    figure.text(0.015, 0.935, told, fontsize=10, va="top", linespacing=1.35)
     return figure
 
 

@@ -32,43 +32,44 @@ CORRELATED = 0.2
 ISOTROPIC = "isotropic friction under even pressure"
 
 
+@style.picture_style()
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
-    with style.picture_style():
-        figure = style.new_figure()
-        rows = bool(found.pushes) + (found.cycle is not None)
-        grid = GridSpec(
-            max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
-        )  # fmt: skip
-        if found.cycle is not None:
-            turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
-            assert found.cycle is not None and found.data.pairs is not None
-            draw_turn(turn, curve, ())
-            draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-            turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
-            style.legend_above(turn)
-            _draw_histograms(histogram, found.orientations)
-            staircase.set_title("Staircase", pad=TITLE_PAD)
-            if found.data.path is None or found.staircase is None:
-                style.say(staircase, "order of the pushes unknown")
-            else:
-                draw_staircase(staircase, found.staircase.run, found.data.path)
-                staircase.set_xlabel("cycle of the compared path")
-                style.legend_above(staircase)
-        if found.pushes:
-            panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
-            draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
-            draw(panels, found)
-        drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
-        sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
-        told = (data_sentence(found), summary_sentence(found))
-        kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
-        noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
-        foot = f"predicted by the {kinds.get(found.prediction.kind, 'fit')}{noise}{sets}"
-        style.write_page(figure, headline(name, found), told, foot)
+    figure = style.new_figure()
+    rows = bool(found.pushes) + (found.cycle is not None)
+    grid = GridSpec(
+        max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
+    )  # fmt: skip
+    if found.cycle is not None:
+        turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
+        assert found.cycle is not None and found.data.pairs is not None
+        draw_turn(turn, curve, ())
+        draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+        turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
+        style.legend_above(turn)
+        _draw_histograms(histogram, found.orientations)
+        staircase.set_title("Staircase", pad=TITLE_PAD)
+        if found.data.path is None or found.staircase is None:
+            style.say(staircase, "order of the pushes unknown")
+        else:
+            draw_staircase(staircase, found.staircase.run, found.data.path)
+            staircase.set_xlabel("cycle of the compared path")
+            style.legend_above(staircase)
+    if found.pushes:
+        panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
+        draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
+        draw(panels, found)
+    drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
+    sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
+    told = (data_sentence(found), summary_sentence(found))
+    kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
+    noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
+    foot = f"predicted by the {kinds.get(found.prediction.kind, 'fit')}{noise}{sets}"
+    style.write_page(figure, headline(name, found), told, foot)
     return figure
 
 
+@style.picture_style()
 def residual_page(found: Comparison) -> Figure | None:
     """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None without either."""
     left = [] if found.cycle is None or found.data.pairs is None else [
@@ -81,23 +82,22 @@ def residual_page(found: Comparison) -> Figure | None:
             left.append((label, theta, (np.degrees(1.0) if name == "dtheta" else 1000.0) * off[:, column]))
     if not left:
         return None
-    with style.picture_style():
-        columns = min(len(left), 2)
-        rows = -(-len(left) // columns)
-        figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
-        grid = GridSpec(
-            rows, columns, figure,
-            left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
-        )  # fmt: skip
-        for number, (label, theta, off) in enumerate(left):
-            axes = figure.add_subplot(grid[number // columns, number % columns])
-            axes.axhline(0.0, color=QUIET, linewidth=0.9)
-            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, marker="o", **style.DOTS)
-            bins = turn_bins(Theta0Pairs(theta, theta + off))
-            if bins.centre.size >= FEWEST_MEDIANS:
-                axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
-            style.degree_axis(axes, "θ0, orientation before the push (°)")
-            axes.set_ylabel(label)
+    columns = min(len(left), 2)
+    rows = -(-len(left) // columns)
+    figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
+    grid = GridSpec(
+        rows, columns, figure,
+        left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
+    )  # fmt: skip
+    for number, (label, theta, off) in enumerate(left):
+        axes = figure.add_subplot(grid[number // columns, number % columns])
+        axes.axhline(0.0, color=QUIET, linewidth=0.9)
+        axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, marker="o", **style.DOTS)
+        bins = turn_bins(Theta0Pairs(theta, theta + off))
+        if bins.centre.size >= FEWEST_MEDIANS:
+            axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
+        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        axes.set_ylabel(label)
     return figure
 
 

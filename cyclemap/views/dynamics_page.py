@@ -23,35 +23,35 @@ _TURNS = (
 _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 
 
+@picture_style()
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
-        turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
-        for comparison, isotropic_law in ((material, False), (isotropic, True)):
-            law = "isotropic" if isotropic_law else "material"
-            theta = np.degrees(comparison.dynamic.theta)
-            still = np.degrees(comparison.quasi_static.theta_next) - theta
-            # A curve through one orientation needs a marker, over the dot, to be seen.
-            alone = theta.size == 1
-            dash = ("--" if isotropic_law else "-") + "x" * alone
-            on = 4 if alone else 2
-            turns.plot(theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on)
-            moved = np.degrees(comparison.dynamic.theta_next) - theta
-            look: dict[str, Any] = {"markerfacecolor": "white" if isotropic_law else PREDICTED, "markersize": 4.5}
-            turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", zorder=3, **look)
-        turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
-        turns.xaxis.set_major_locator(MultipleLocator(60.0))
-        turns.set_title("Turn of push and drag", pad=36.0)
-        legend_above(turns, columns=2)
-        draw_turn_differences(differences, material, isotropic)
-        draw_place_differences(places, material, isotropic)
-        name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
-        title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-        told = [difference_sentence(one) for one in (material, isotropic)]
-        foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
-        write_page(figure, title, told, f"{foot}; both models stand on the same support points")
+    figure = new_figure()
+    grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
+    turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
+    for comparison, isotropic_law in ((material, False), (isotropic, True)):
+        law = "isotropic" if isotropic_law else "material"
+        theta = np.degrees(comparison.dynamic.theta)
+        still = np.degrees(comparison.quasi_static.theta_next) - theta
+        # A curve through one orientation needs a marker, over the dot, to be seen.
+        alone = theta.size == 1
+        dash = ("--" if isotropic_law else "-") + "x" * alone
+        on = 4 if alone else 2
+        turns.plot(theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on)
+        moved = np.degrees(comparison.dynamic.theta_next) - theta
+        look: dict[str, Any] = {"markerfacecolor": "white" if isotropic_law else PREDICTED, "markersize": 4.5}
+        turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", zorder=3, **look)
+    turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
+    turns.xaxis.set_major_locator(MultipleLocator(60.0))
+    turns.set_title("Turn of push and drag", pad=36.0)
+    legend_above(turns, columns=2)
+    draw_turn_differences(differences, material, isotropic)
+    draw_place_differences(places, material, isotropic)
+    name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
+    title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
+    told = [difference_sentence(one) for one in (material, isotropic)]
+    foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
+    write_page(figure, title, told, f"{foot}; both models stand on the same support points")
     return figure
 
 

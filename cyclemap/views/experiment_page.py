@@ -19,20 +19,20 @@ TITLE_PAD = 20.0
 _MARKERS = "os^vDP*X"
 
 
+@picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55)
-        for row, (run, name) in enumerate(named_runs(experiment)):
-            robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
-            draw_robot_frame(robot, run, f"{name}: robot's frame")
-            draw_object_frame(body, run, f"{name}: object's frame")
-            draw_course(course, run, f"{name}: θ0 over the cycles")
-        title = f"Batches of cycles on {experiment.loop.material.name}"
-        told = experiment_headline(experiment), spread_sentence(experiment), isotropic_sentence(experiment)
-        foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
-        write_page(figure, title, told, foot)
+    figure = new_figure()
+    grid = GridSpec(2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55)
+    for row, (run, name) in enumerate(named_runs(experiment)):
+        robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
+        draw_robot_frame(robot, run, f"{name}: robot's frame")
+        draw_object_frame(body, run, f"{name}: object's frame")
+        draw_course(course, run, f"{name}: θ0 over the cycles")
+    title = f"Batches of cycles on {experiment.loop.material.name}"
+    told = experiment_headline(experiment), spread_sentence(experiment), isotropic_sentence(experiment)
+    foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
+    write_page(figure, title, told, foot)
     return figure
 
 

@@ -20,6 +20,7 @@ _ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
 
 
+@style.picture_style()
 def fingerprint_page(
     found: Fingerprint, prediction: Prediction | None = None, checked: PredictionCheck | None = None, name: str = ""
 ) -> Figure:
@@ -27,30 +28,29 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    with style.picture_style():
-        figure = style.new_figure()
-        grid = GridSpec(
-            2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
-            hspace=0.62,
-        )  # fmt: skip
-        column = 0 if prediction is not None else slice(None)
-        draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
-        draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
-        if prediction is not None:
-            draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
-        title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
-        told = [protocol_sentence(found)]
-        if prediction is not None:
-            told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
-            told += [lock_in_sentence(prediction), trust_sentence(prediction)]
-        if checked is not None:
-            told.append(check_sentence(checked))
-        numbers = "   ".join(
-            f"{symbol} {value}°"
-            for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
-        )
-        foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-        style.write_page(figure, title, told, foot, top=0.925, letters=170)
+    figure = style.new_figure()
+    grid = GridSpec(
+        2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
+        hspace=0.62,
+    )  # fmt: skip
+    column = 0 if prediction is not None else slice(None)
+    draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
+    draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
+    if prediction is not None:
+        draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
+    title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
+    told = [protocol_sentence(found)]
+    if prediction is not None:
+        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+    if checked is not None:
+        told.append(check_sentence(checked))
+    numbers = "   ".join(
+        f"{symbol} {value}°"
+        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
+    )
+    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+    style.write_page(figure, title, told, foot, top=0.925, letters=170)
     return figure
 
 

@@ -42,6 +42,7 @@ CIRCLE = np.linspace(0.0, 2 * np.pi, 721)
 LATE_FILL = "#cfcfcf"
 
 
+@style.picture_style()
 def fit_page(fit: SetFit) -> Figure:
     """Draw what was fitted to a set: a row of its pushes, a row of its cycle map, or as much of them as there is.
 
@@ -50,23 +51,22 @@ def fit_page(fit: SetFit) -> Figure:
     rows = [row for row in _panels(fit) if row]
     if not rows:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
-    with style.picture_style():
-        figure = style.new_figure(16.0, 9.6)
-        foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
-        top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
-        if len(rows) == 1 and len(rows[0]) > 2:
-            half = (len(rows[0]) + 1) // 2
-            rows = [rows[0][:half], rows[0][half:]]
-        height = (top - FOOT) / len(rows)
-        for number, row in enumerate(rows):
-            # Draw panels side by side in this part of the page, with room for titles above and labels below them.
-            upper = top - number * height
-            ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
-            grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
-            for column, (title, draw) in enumerate(row):
-                axes = figure.add_subplot(grid[0, column])
-                draw(axes)
-                axes.set_title(title, pad=TITLE_PAD)
+    figure = style.new_figure(16.0, 9.6)
+    foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
+    top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
+    if len(rows) == 1 and len(rows[0]) > 2:
+        half = (len(rows[0]) + 1) // 2
+        rows = [rows[0][:half], rows[0][half:]]
+    height = (top - FOOT) / len(rows)
+    for number, row in enumerate(rows):
+        # Draw panels side by side in this part of the page, with room for titles above and labels below them.
+        upper = top - number * height
+        ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
+        grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
+        for column, (title, draw) in enumerate(row):
+            axes = figure.add_subplot(grid[0, column])
+            draw(axes)
+            axes.set_title(title, pad=TITLE_PAD)
     return figure
 
 

@@ -42,45 +42,45 @@ _NARROW: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "columnspa
 _HEADLINE_LETTERS = 84
 
 
+@picture_style()
 def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(
-            2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
-            wspace=0.24, hspace=0.42,
-        )  # fmt: skip
-        panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
-        turn, density, cobweb, staircase, push, drag = panels
-        known = portrait.uncertainty
-        draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
-        if measured is not None:
-            draw_measured_turns(turn, measured.pairs, measured.bins)
-        turn.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
-        _legend_above(turn)
-        draw_density(density, curves)
-        if measured is not None:
-            draw_measured_histogram(density, measured.histogram)
-        density.set_ylim(bottom=0.0)
-        density.set_title("Directions recorded", y=_TITLE_PLACE)
-        _legend_above(density)
-        draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
-        place = "the jump" if portrait.gathering_jumps else "the slowest direction"
-        place = "the stable direction" if portrait.stable_points else place
-        whole = curves.cobweb.high - curves.cobweb.low > 6.2
-        cobweb.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
-        path = None if measured is None else measured.pairs.path
-        draw_staircase(staircase, portrait.staircase.theta, path)
-        staircase.set_title("Staircase", y=_TITLE_PLACE)
-        if path is not None:
-            staircase.legend(loc="upper left")
-        draw_cycle(push, drag, curves.scene)
-        cycle = portrait.cycle
-        push.set_title(
-            f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
-        )
-        drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
-        _write_words(figure, portrait, curves, measured)
+    figure = new_figure()
+    grid = GridSpec(
+        2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
+        wspace=0.24, hspace=0.42,
+    )  # fmt: skip
+    panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
+    turn, density, cobweb, staircase, push, drag = panels
+    known = portrait.uncertainty
+    draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
+    if measured is not None:
+        draw_measured_turns(turn, measured.pairs, measured.bins)
+    turn.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
+    _legend_above(turn)
+    draw_density(density, curves)
+    if measured is not None:
+        draw_measured_histogram(density, measured.histogram)
+    density.set_ylim(bottom=0.0)
+    density.set_title("Directions recorded", y=_TITLE_PLACE)
+    _legend_above(density)
+    draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
+    place = "the jump" if portrait.gathering_jumps else "the slowest direction"
+    place = "the stable direction" if portrait.stable_points else place
+    whole = curves.cobweb.high - curves.cobweb.low > 6.2
+    cobweb.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
+    path = None if measured is None else measured.pairs.path
+    draw_staircase(staircase, portrait.staircase.theta, path)
+    staircase.set_title("Staircase", y=_TITLE_PLACE)
+    if path is not None:
+        staircase.legend(loc="upper left")
+    draw_cycle(push, drag, curves.scene)
+    cycle = portrait.cycle
+    push.set_title(
+        f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
+    )
+    drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
+    _write_words(figure, portrait, curves, measured)
     return figure
 
 

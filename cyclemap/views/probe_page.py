@@ -45,28 +45,28 @@ def _lock_in(found: Probe) -> str:
     return f"A push-and-drag-back collection on such a surface locks in nowhere: a cycle turns it by {low} to {high}."
 
 
+@picture_style()
 def probe_page(found: Probe) -> Figure:
     """Draw each outcome over the orientation, with what the harmonics and the ellipse make of it."""
     words = [line for sentence in probe_sentences(found) for line in textwrap.wrap(sentence, _LETTERS)]
-    with picture_style():
-        figure = new_figure(12.0, 4.6)
-        panels = figure.subplots(1, 3)
-        figure.subplots_adjust(left=0.06, right=0.98, top=0.86, bottom=0.34, wspace=0.26)
-        for axes, outcome in zip(panels, OUTCOMES, strict=True):
-            label, scale = _LABELS[outcome]
-            column = OUTCOMES.index(outcome)
-            measured = scale * found.change[:, column]
-            theta = np.degrees(found.theta) % 360.0
-            axes.plot(theta, measured, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="probed")
-            around = np.linspace(0.0, 2.0 * math.pi, 91)
-            made = found.mimic.cycles(around)
-            mimicked = scale * (made.push_turn if outcome == "dtheta" else made.push_displacement[:, column])
-            # The mean motion is free in the fit: it is what the object rests on, not the direction.
-            mimicked += measured.mean() - mimicked[:-1].mean()
-            axes.plot(np.degrees(around), mimicked, color=PREDICTED, label="the ellipse")
-            axes.set_ylabel(label)
-            degree_axis(axes, "orientation θ0 (°)")
-        panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-        foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
-        figure.text(0.02, 0.02, "\n".join([*words, foot]), color=INK, fontsize=8.5, va="bottom", linespacing=1.4)
+    figure = new_figure(12.0, 4.6)
+    panels = figure.subplots(1, 3)
+    figure.subplots_adjust(left=0.06, right=0.98, top=0.86, bottom=0.34, wspace=0.26)
+    for axes, outcome in zip(panels, OUTCOMES, strict=True):
+        label, scale = _LABELS[outcome]
+        column = OUTCOMES.index(outcome)
+        measured = scale * found.change[:, column]
+        theta = np.degrees(found.theta) % 360.0
+        axes.plot(theta, measured, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="probed")
+        around = np.linspace(0.0, 2.0 * math.pi, 91)
+        made = found.mimic.cycles(around)
+        mimicked = scale * (made.push_turn if outcome == "dtheta" else made.push_displacement[:, column])
+        # The mean motion is free in the fit: it is what the object rests on, not the direction.
+        mimicked += measured.mean() - mimicked[:-1].mean()
+        axes.plot(np.degrees(around), mimicked, color=PREDICTED, label="the ellipse")
+        axes.set_ylabel(label)
+        degree_axis(axes, "orientation θ0 (°)")
+    panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+    foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
+    figure.text(0.02, 0.02, "\n".join([*words, foot]), color=INK, fontsize=8.5, va="bottom", linespacing=1.4)
     return figure

@@ -29,39 +29,39 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     return f"{who} {ends} {1e3 * error:.1f} mm and {math.degrees(turn_error):.1f}° off on average{also}."
 
 
+@style.picture_style()
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
-    with style.picture_style():
-        figure = style.new_figure()
-        grid = GridSpec(
-            2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
-        )  # fmt: skip
-        for number, turn in enumerate((False, True)):
-            _draw_errors(figure.add_subplot(grid[0, 3 * number : 3 * number + 3]), replayed, turn)
-            _draw_motions(figure.add_subplot(grid[0, 6 + 3 * number : 9 + 3 * number]), replayed, turn)
-        order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
-        for place, share in enumerate(_SHARES):
-            row = int(order[min(int(share * len(order)), len(order) - 1)])
-            # One push seen from above: the object before, and after it as measured and as predicted, with its ways.
-            axes = figure.add_subplot(grid[1, 4 * place : 4 * place + 4])
-            replay, facts = replayed.replays[row], replayed.table.iloc[row]
-            axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
-            for poses, colour, width, name in (
-                (replay.measured, MEASURED, 3.0, "measured"),
-                (replay.predicted, PREDICTED, 1.5, "predicted"),
-            ):
-                axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
-                axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
-            axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
-            axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
-            axes.set_aspect("equal", adjustable="datalim")
-            axes.set(xlabel="x (mm)", ylabel="y (mm)")
-            speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-            off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
-            axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
-            style.legend_above(axes, columns=4)
-        foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
-        style.write_page(figure, f"Replayed on {material}", [replay_headline(replayed)], foot)
+    figure = style.new_figure()
+    grid = GridSpec(
+        2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
+    )  # fmt: skip
+    for number, turn in enumerate((False, True)):
+        _draw_errors(figure.add_subplot(grid[0, 3 * number : 3 * number + 3]), replayed, turn)
+        _draw_motions(figure.add_subplot(grid[0, 6 + 3 * number : 9 + 3 * number]), replayed, turn)
+    order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
+    for place, share in enumerate(_SHARES):
+        row = int(order[min(int(share * len(order)), len(order) - 1)])
+        # One push seen from above: the object before, and after it as measured and as predicted, with its ways.
+        axes = figure.add_subplot(grid[1, 4 * place : 4 * place + 4])
+        replay, facts = replayed.replays[row], replayed.table.iloc[row]
+        axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
+        for poses, colour, width, name in (
+            (replay.measured, MEASURED, 3.0, "measured"),
+            (replay.predicted, PREDICTED, 1.5, "predicted"),
+        ):
+            axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
+            axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
+        axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
+        axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set(xlabel="x (mm)", ylabel="y (mm)")
+        speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
+        off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
+        axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
+        style.legend_above(axes, columns=4)
+    foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
+    style.write_page(figure, f"Replayed on {material}", [replay_headline(replayed)], foot)
     return figure
 
 

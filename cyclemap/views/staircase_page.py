@@ -29,41 +29,41 @@ from cyclemap.views.style import (
 )
 
 
+@picture_style()
 def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Figure:
     """Draw `forecast`, with `measured` beside it where given."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(
-            2, 2, figure, width_ratios=(1.0, 1.0), left=0.06, right=0.985, bottom=0.115, top=0.755, wspace=0.17,
-            hspace=0.5,
-        )  # fmt: skip
-        axes = figure.add_subplot(grid[:, 0])
-        if measured is not None:
-            fitted = np.degrees(measured.run.theta)
-            label = "map fitted to all data alike, without wear"
-            axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label=label, zorder=4)
-        draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
-        if measured is not None:
-            axes.legend(loc="upper left")
-        axes.set_title("One run" if measured is None else "One run each")
-        steps, lengths = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
-        if measured is None:
-            draw_steps(steps, forecast.run.theta, forecast.steps)
-            draw_step_lengths(lengths, forecast.steps, forecast.comparison)
-        else:
-            draw_steps(steps, measured.path, measured.steps)
-            draw_step_lengths(lengths, measured.steps, measured.comparison)
-        whose = "predicted" if measured is None else "measured"
-        steps.set_title(f"Dwells, {whose}")
-        # Above the legend, whose words may be long.
-        lengths.set_title("Lengths", pad=22.0)
-        name = forecast.loop.material.name
-        told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
-        told += [uncertainty_sentence(name, forecast.uncertainty)]
-        if measured is not None:
-            told += [measured_sentence(measured), fitted_sentence(measured)]
-        foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
-        write_page(figure, f"Staircase of {name}", told, foot)
+    figure = new_figure()
+    grid = GridSpec(
+        2, 2, figure, width_ratios=(1.0, 1.0), left=0.06, right=0.985, bottom=0.115, top=0.755, wspace=0.17,
+        hspace=0.5,
+    )  # fmt: skip
+    axes = figure.add_subplot(grid[:, 0])
+    if measured is not None:
+        fitted = np.degrees(measured.run.theta)
+        label = "map fitted to all data alike, without wear"
+        axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label=label, zorder=4)
+    draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
+    if measured is not None:
+        axes.legend(loc="upper left")
+    axes.set_title("One run" if measured is None else "One run each")
+    steps, lengths = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    if measured is None:
+        draw_steps(steps, forecast.run.theta, forecast.steps)
+        draw_step_lengths(lengths, forecast.steps, forecast.comparison)
+    else:
+        draw_steps(steps, measured.path, measured.steps)
+        draw_step_lengths(lengths, measured.steps, measured.comparison)
+    whose = "predicted" if measured is None else "measured"
+    steps.set_title(f"Dwells, {whose}")
+    # Above the legend, whose words may be long.
+    lengths.set_title("Lengths", pad=22.0)
+    name = forecast.loop.material.name
+    told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
+    told += [uncertainty_sentence(name, forecast.uncertainty)]
+    if measured is not None:
+        told += [measured_sentence(measured), fitted_sentence(measured)]
+    foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
+    write_page(figure, f"Staircase of {name}", told, foot)
     return figure
 
 

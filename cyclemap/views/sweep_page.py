@@ -64,20 +64,20 @@ _MOST_REASONS = 3
 _LONGEST_REASON = 160
 
 
+@style.picture_style()
 def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
     panels = _panels(curves)[:MOST_PANELS]
-    with style.picture_style():
-        figure = style.new_figure(13.333, 6.6)
-        grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
-        for place, (title, draw) in enumerate(panels):
-            axes = figure.add_subplot(grid[0, place])
-            draw(axes)
-            if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
-                _draw_object(axes, sweep)
-            axes.set_title(title, pad=TITLE_PAD)
-        style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
-        figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
+    figure = style.new_figure(13.333, 6.6)
+    grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
+    for place, (title, draw) in enumerate(panels):
+        axes = figure.add_subplot(grid[0, place])
+        draw(axes)
+        if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+            _draw_object(axes, sweep)
+        axes.set_title(title, pad=TITLE_PAD)
+    style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
+    figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
     return figure
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli import run_sweep as module
-from cyclemap.cli.commands import sweep_command
+from cyclemap.cli.commands import cli
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.resets import ResetStrategy, legs, write_protocol
@@ -53,8 +53,8 @@ def fake(monkeypatch):
 
 
 def sweep(*arguments: str) -> None:
-    with sweep_command.make_context("sweep", list(arguments)) as context:
-        sweep_command.invoke(context)
+    with cli.commands["sweep"].make_context("sweep", list(arguments)) as context:
+        cli.commands["sweep"].invoke(context)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from cyclemap.cli import command_watch as module
+from cyclemap.cli import run_watch as module
 from cyclemap.cli.main import run
 from cyclemap.errors import DataFileError
 
