@@ -3,8 +3,6 @@
 import math
 from pathlib import Path
 
-from rich.table import Table
-
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
 from cyclemap.cli.options import LoopOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
@@ -13,7 +11,7 @@ from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
-from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
@@ -63,18 +61,12 @@ def run_compare(
             table.add_row(SYMBOLS[one.name], *values, *shares)
         console.print_table(table)
     if found.orientations is not None:
-        console.print_table(_test_table(found))
+        table = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
+        for name, test in found.orientations.tests.items():
+            value = f"{math.degrees(test.statistic):.2f}°" if name == "wasserstein" else f"{test.statistic:.3f}"
+            table.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
+        console.print_table(table)
     console.print(f"picture: {picture}")
-
-
-def _test_table(found: Comparison) -> Table:
-    assert found.orientations is not None
-    title = "Histogram of directions, measured against predicted"
-    table = people_table(title, ("test", "statistic", "p-value"))
-    for name, one in found.orientations.tests.items():
-        value = f"{math.degrees(one.statistic):.2f}°" if name == "wasserstein" else f"{one.statistic:.3f}"
-        table.add_row(name.replace("_", " "), value, f"{one.value:.3f} ± {one.standard_error:.3f}")
-    return table
 
 
 _DEGREE, _METRE = math.degrees(1.0), 1000.0
@@ -82,6 +74,11 @@ _DEGREE, _METRE = math.degrees(1.0), 1000.0
 
 def compare_report(material: str, found: Comparison) -> Json:
     """The report of a comparison; what could not be asked is null or an empty list."""
+    ends_off: Json | None = None
+    if found.pushes:
+        (place, turn), (isotropic_place, isotropic_turn) = mean_distances(found.pushes)
+        ends_off = {"mean_mm": number(_METRE * place), "isotropic_mean_mm": number(_METRE * isotropic_place)}
+        ends_off |= {"mean_deg": degrees(turn), "isotropic_mean_deg": degrees(isotropic_turn)}
     return {
         "prediction": {
             "material": material,
@@ -96,7 +93,7 @@ def compare_report(material: str, found: Comparison) -> Json:
             "unreadable_files": found.data.unreadable,
         },
         "pushes": [_pushes(one) for one in found.pushes],
-        "ends_off": None if not found.pushes else _ends_off(*mean_distances(found.pushes)),
+        "ends_off": ends_off,
         "cycle": None if found.cycle is None else _cycle(found.cycle),
         "orientations": None if found.orientations is None else _orientations(found.orientations),
         "directions": None if found.directions is None else _directions(found.directions),
@@ -104,12 +101,6 @@ def compare_report(material: str, found: Comparison) -> Json:
         "verdicts": [{"question": one.question, "agrees": one.agrees, "words": one.words} for one in found.verdicts],
         "uncertified": list(found.uncertified),
     }
-
-
-def _ends_off(found: Distances, isotropic: Distances) -> Json:
-    named = {"mean": found, "isotropic_mean": isotropic}
-    places = {f"{name}_mm": number(_METRE * place) for name, (place, _) in named.items()}
-    return {**places, **{f"{name}_deg": number(_DEGREE * turn) for name, (_, turn) in named.items()}}
 
 
 def _pushes(found: PushAgreement) -> Json:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
+from rich.table import Column, Table
 
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, write_json
@@ -63,7 +63,7 @@ def run_figures(
     if not names:
         list_figures(json_target)
         return
-    chosen, folder = entries(names), MeasuredFolder.found(data)
+    chosen, folder, known = entries(names), MeasuredFolder.found(data), [entry.name for entry in entries()]
     with only_writer(out):
         index = _read_index(out / INDEX_FILE)
         console, made, failed = PeopleConsole(), list[Json](), list[Json]()
@@ -76,14 +76,14 @@ def run_figures(
                 continue
             made.append(line)
             index[entry.name] = line
-            write_json(out / INDEX_FILE, _in_order(index))
+            # In the gallery's order; names that are no longer there come last.
+            kept = sorted(index, key=lambda name: known.index(name) if name in known else len(known))
+            write_json(out / INDEX_FILE, {"figures": [index[name] for name in kept]})
             if json_target != "-":
                 # One exhibit for people: title, rows of a table, caption, file, and whether measured data were there.
                 console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
                 if header:
-                    table = Table()
-                    for name in header:
-                        table.add_column(name, no_wrap=True)
+                    table = Table(*(Column(name, no_wrap=True) for name in header))
                     for row in rows:
                         table.add_row(*row)
                     console.print_table(table)
@@ -91,8 +91,7 @@ def run_figures(
                 if asked:
                     console.print(f"measured data: {line['measured'] or NO_DATA}")
                 console.print(f"file: {out / str(line['file'])}\n")
-        report: Json = {"figures": [*made], "failed": [*failed]}
-        publish_json(report, json_target)
+        publish_json({"figures": made, "failed": failed}, json_target)
         if failed:
             told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
             raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
@@ -106,8 +105,7 @@ def _make(
 
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
-    rows: tuple[tuple[str, ...], ...] = ()
-    header: tuple[str, ...] = ()
+    header, rows = tuple[str, ...](), tuple[tuple[str, ...], ...]()
     if isinstance(exhibit, PaperFigure):
         from cyclemap.views.style import render
 
@@ -135,10 +133,3 @@ def _read_index(path: Path) -> dict[str, Any]:
         return {line["name"]: {key: line[key] for key in _KEYS} for line in lines}
     except (DataFileError, KeyError, TypeError) as error:
         raise DataFileError(f"{path}: not an index of figures; remove it or choose another --out") from error
-
-
-def _in_order(index: dict[str, Any]) -> Json:
-    """The index in the gallery's order; names that are no longer there come last."""
-    known = [entry.name for entry in entries()]
-    names = sorted(index, key=lambda name: known.index(name) if name in known else len(known))
-    return {"figures": [index[name] for name in names]}

@@ -19,7 +19,7 @@ from cyclemap.collection.settings import with_material
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
-from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
+from cyclemap.evidence.identification.identify import Estimate, Identification, identify
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
@@ -38,6 +38,10 @@ from cyclemap.views.style import render
 
 # How units are named in the report.
 _NAMES = {"°": "deg", " mm": "mm", "": "1"}
+_SIZES = (
+    *("mean", "median", "rms", "left_out_mean", "left_out_median", "left_out_rms"),
+    *("isotropic_mean", "isotropic_median"),
+)
 NOTHING = "–"
 
 
@@ -148,7 +152,12 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
             for one in derived
             for unit, factor in [readable_unit(one.unit)]
         ],
-        "errors": [_errors(one) for one in found.errors],
+        "errors": [
+            {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows}
+            | {name: number(factor * getattr(one, name)) for name in _SIZES}
+            for one in found.errors
+            for kind, unit, factor in [readable_kind(one.kind)]
+        ],
         "starts": {"count": found.starts.count, "arrived": found.starts.arrived, "failed": len(found.starts.failures)},
         "notes": list(found.notes),
         "data": list(data),
@@ -173,13 +182,6 @@ def _parameter(one: Estimate) -> Json:
         "identifiable": bool(one.identifiable),
         "at_bound": one.at_bound or None,
     }
-
-
-def _errors(one: KindErrors) -> Json:
-    kind, unit, factor = readable_kind(one.kind)
-    sizes = "mean median rms left_out_mean left_out_median left_out_rms isotropic_mean isotropic_median"
-    told = {name: number(factor * getattr(one, name)) for name in sizes.split()}
-    return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 
 
 def parameter_table(found: Identification) -> Table:
@@ -216,7 +218,7 @@ def error_table(found: Identification) -> Table:
     table = _table("Errors, predicted less measured", *columns)
     for one in found.errors:
         kind, unit, factor = readable_kind(one.kind)
-        sizes = (one.mean, one.median, one.left_out_mean, one.left_out_median, one.isotropic_mean, one.isotropic_median)
+        sizes = [getattr(one, name) for name in _SIZES if not name.endswith("rms")]
         told = [f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes]
         table.add_row(one.block, kind, str(one.rows), *told)
     table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"

@@ -9,8 +9,7 @@ from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
-from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.views import style
 from cyclemap.views.portrait_page import (
     PER_DEGREE,
@@ -26,7 +25,12 @@ from cyclemap.views.style import PREDICTED, QUIET
 TITLE_PAD = 22.0
 # Fewer medians make no line.
 FEWEST_MEDIANS = 12
-_LABELS = {"dtheta": ("Δθ", "turn of a push (°)"), "dx": ("Δx", "Δx (mm)"), "dy": ("Δy", "Δy (mm)")}
+# Symbol, label and the factor to its unit.
+_LABELS = {
+    "dtheta": ("Δθ", "turn of a push (°)", float(np.degrees(1.0))),
+    "dx": ("Δx", "Δx (mm)", 1000.0),
+    "dy": ("Δy", "Δy (mm)", 1000.0),
+}
 # A lag correlation beyond this makes p-values of independent noise too small.
 CORRELATED = 0.2
 ISOTROPIC = "isotropic friction under even pressure"
@@ -42,12 +46,23 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     )  # fmt: skip
     if found.cycle is not None:
         turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
-        assert found.cycle is not None and found.data.pairs is not None
+        assert found.data.pairs is not None
         draw_turn(turn, curve, ())
         draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
         turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
         style.legend_above(turn)
-        _draw_histograms(histogram, found.orientations)
+        histogram.set_title("Directions", pad=TITLE_PAD)
+        style.degree_axis(histogram)
+        histogram.set_ylabel("probability per degree")
+        if found.orientations is None:
+            style.say(histogram, "order of the pushes unknown")
+        else:
+            draw_measured_histogram(histogram, found.orientations.measured)
+            predicted = found.orientations.predicted
+            heights, edges = PER_DEGREE * predicted.density, np.degrees(predicted.edges)
+            histogram.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
+            histogram.set_ylim(bottom=0.0)
+            style.legend_above(histogram)
         staircase.set_title("Staircase", pad=TITLE_PAD)
         if found.data.path is None or found.staircase is None:
             style.say(staircase, "order of the pushes unknown")
@@ -78,8 +93,7 @@ def residual_page(found: Comparison) -> Figure | None:
     if found.pushes:
         theta = np.concatenate([one.theta for one in found.pushes])
         off = np.concatenate([one.measured - one.predicted for one in found.pushes])
-        for column, (name, (_, label)) in enumerate(_LABELS.items()):
-            left.append((label, theta, (np.degrees(1.0) if name == "dtheta" else 1000.0) * off[:, column]))
+        left += [(label, theta, scale * off[:, column]) for column, (_, label, scale) in enumerate(_LABELS.values())]
     if not left:
         return None
     columns = min(len(left), 2)
@@ -96,23 +110,9 @@ def residual_page(found: Comparison) -> Figure | None:
         bins = turn_bins(Theta0Pairs(theta, theta + off))
         if bins.centre.size >= FEWEST_MEDIANS:
             axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
-        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        style.degree_axis(axes)
         axes.set_ylabel(label)
     return figure
-
-
-def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
-    axes.set_title("Directions", pad=TITLE_PAD)
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set_ylabel("probability per degree")
-    if found is None:
-        style.say(axes, "order of the pushes unknown")
-        return
-    draw_measured_histogram(axes, found.measured)
-    heights, edges = PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
-    axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
-    axes.set_ylim(bottom=0.0)
-    style.legend_above(axes)
 
 
 def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
@@ -120,12 +120,11 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     largest = found.pushes[0]
     theta = np.degrees(np.mod(largest.theta, 2 * np.pi))
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
-        scale = _scale(quantity)
+        symbol, label, scale = _LABELS[quantity.name]
         axes.plot(theta, scale * largest.measured[:, column], marker="o", label="measured", zorder=2, **style.DOTS)
         predicted = scale * largest.predicted[:, column]
         axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
-        symbol, label = _LABELS[quantity.name]
-        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        style.degree_axis(axes)
         axes.set_ylabel(label)
         axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
         style.legend_above(axes)
@@ -135,7 +134,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     """Many sets: every push measured over predicted, beside the line where both are equal."""
     ((_, quantities),) = found.told_pushes
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
-        scale, (symbol, label) = _scale(quantity), _LABELS[quantity.name]
+        symbol, label, scale = _LABELS[quantity.name]
         for one in found.pushes:
             axes.plot(
                 scale * one.predicted[:, column], scale * one.measured[:, column], marker="o", zorder=2, **style.DOTS
@@ -145,10 +144,6 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
         unit = "°" if quantity.name == "dtheta" else " mm"
         axes.set_title(f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}", pad=TITLE_PAD)
         style.legend_above(axes)
-
-
-def _scale(quantity: QuantityAgreement) -> float:
-    return float(np.degrees(1.0)) if quantity.name == "dtheta" else 1000.0
 
 
 def headline(name: str, found: Comparison) -> str:

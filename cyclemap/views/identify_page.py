@@ -147,7 +147,7 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     if fit.late is not None:
         late = np.degrees(fit.late)
         axes.plot(np.degrees(fit.grid), late, color=INK, linestyle="--", linewidth=1.4, label="at the end", zorder=4)
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle (°)")
     style.legend_above(axes)
 

@@ -28,21 +28,19 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
             f"Anisotropy that could hide behind the {noise}: axes up to {found.ratio[2]:.4g} : 1, a centre up to "
             f"{found.offset[2]:.2g} of the mean radius off (95 % confidence).",
         )
+    if found.stable:
+        where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
+        locks = f"at {where}"
+    else:
+        low, high = (angle(turn) for turn in found.turns)
+        locks = f"nowhere: a cycle turns it by {low} to {high}"
     return (
         f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, {len(found.theta)} pushes).",
         f"A friction ellipse with axes {found.ratio[0]:.4g} : 1 ({found.ratio[1]:.4g} to {found.ratio[2]:.4g}), longer "
         f"along {angle(found.anisotropy.ellipse_direction)}, its centre {found.offset[0]:.2g} of the mean radius "
         f"off ({found.offset[1]:.2g} to {found.offset[2]:.2g}), explains {found.explained:.0%} of that; {noise}.",
-        _lock_in(found),
+        f"A push-and-drag-back collection on such a surface locks in {locks}.",
     )
-
-
-def _lock_in(found: Probe) -> str:
-    if found.stable:
-        where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
-        return f"A push-and-drag-back collection on such a surface locks in at {where}."
-    low, high = (angle(turn) for turn in found.turns)
-    return f"A push-and-drag-back collection on such a surface locks in nowhere: a cycle turns it by {low} to {high}."
 
 
 @picture_style()
@@ -52,9 +50,8 @@ def probe_page(found: Probe) -> Figure:
     figure = new_figure(12.0, 4.6)
     panels = figure.subplots(1, 3)
     figure.subplots_adjust(left=0.06, right=0.98, top=0.86, bottom=0.34, wspace=0.26)
-    for axes, outcome in zip(panels, OUTCOMES, strict=True):
+    for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
         label, scale = _LABELS[outcome]
-        column = OUTCOMES.index(outcome)
         measured = scale * found.change[:, column]
         theta = np.degrees(found.theta) % 360.0
         axes.plot(theta, measured, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="probed")

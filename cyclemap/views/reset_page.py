@@ -47,12 +47,49 @@ def reset_page(design: ResetDesign) -> Figure:
     axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
     axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
     axes.legend(loc="upper center", ncols=3)
-    _write_rows(figure, design)
+    lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
+    for left, name in zip(lefts, COLUMNS, strict=True):
+        figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
+    for number, row in enumerate(design.rows):
+        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
+        weight = "normal" if number else "bold"
+        for left, cell in zip(lefts, cells, strict=True):
+            figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
+        y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
+    foot = (
+        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; histogram: mean "
+        f"distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
+        f"noise {math.degrees(design.sigma):.2g}° a cycle"
+    )
+    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
     title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
     figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
     if not design.met:
         figure.text(0.015, 0.905, fill(miss_sentences(design)[0], 180), fontsize=10, color=FORCE, va="center")
     return figure
+
+
+def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
+    # Watching and auditing say sentences of this page, and need not wait for that.
+    from scipy.stats import binom
+
+    bins, pushes = design.after.shape[1], design.demands.pushes
+    edges = np.linspace(0.0, 360.0, bins + 1)
+    low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
+    axes.axhspan(low, high, color=PREDICTED_FILL, label="95 % if uniform", zorder=0)
+    axes.stairs(design.before[0], edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
+    axes.stairs(design.after[0], edges, color=PREDICTED, linewidth=1.8, label="with the reset", zorder=3)
+    axes.axhline(1.0 / bins, color=INK, linewidth=0.9, linestyle="--", zorder=1)
+    axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
+    if design.before[0].max() > axes.get_ylim()[1]:
+        peak = int(np.argmax(design.before[0]))
+        style.name_tag(
+            axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED
+        )
+    style.degree_axis(axes)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
+    style.legend_above(axes)
 
 
 def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> None:
@@ -78,47 +115,6 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
     axes.margins(0.1)
     axes.set_axis_off()
     axes.set_title("Where to push, object's frame")
-
-
-def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
-    # Watching and auditing say sentences of this page, and need not wait for that.
-    from scipy.stats import binom
-
-    bins, pushes = design.after.shape[1], design.demands.pushes
-    edges = np.linspace(0.0, 360.0, bins + 1)
-    low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
-    axes.axhspan(low, high, color=PREDICTED_FILL, label="95 % if uniform", zorder=0)
-    axes.stairs(design.before[0], edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
-    axes.stairs(design.after[0], edges, color=PREDICTED, linewidth=1.8, label="with the reset", zorder=3)
-    axes.axhline(1.0 / bins, color=INK, linewidth=0.9, linestyle="--", zorder=1)
-    axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
-    if design.before[0].max() > axes.get_ylim()[1]:
-        peak = int(np.argmax(design.before[0]))
-        style.name_tag(
-            axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED
-        )
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-    axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
-    style.legend_above(axes)
-
-
-def _write_rows(figure: Figure, design: ResetDesign) -> None:
-    lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
-    for left, name in zip(lefts, COLUMNS, strict=True):
-        figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
-    for number, row in enumerate(design.rows):
-        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
-        weight = "normal" if number else "bold"
-        for left, cell in zip(lefts, cells, strict=True):
-            figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
-        y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
-    foot = (
-        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; histogram: mean "
-        f"distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
-        f"noise {math.degrees(design.sigma):.2g}° a cycle"
-    )
-    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
 
 
 @style.picture_style()
@@ -148,7 +144,7 @@ def strategy_page(
     if law is not None:
         axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
     axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes)
     axes.set(ylabel="probability per degree", title="Directions recorded")
     style.legend_above(axes, columns=4)
     last = figure.add_subplot(grid[1, 1])
@@ -161,7 +157,7 @@ def strategy_page(
         for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
             last.plot(degrees, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
         last.plot(degrees, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
-        style.degree_axis(last, "θ0, orientation before the push (°)")
+        style.degree_axis(last)
         last.set(ylabel="turn of one cycle (°)", title="Turn of each action")
         style.legend_above(last)
     style.write_page(figure, words[0], words[1:])

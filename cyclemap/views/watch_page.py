@@ -62,7 +62,7 @@ def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
             axes.axhline(np.degrees(direction), color=FORCE, linewidth=1.0, linestyle="--", zorder=1)
         label = f"alarm at push {last.alarm.push}, towards {', '.join(map(angle, last.alarm.directions))}"
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6, label=label, zorder=3)
-    axes.set(ylabel="θ0, orientation before the push (°)", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
+    axes.set(ylabel=style.THETA0, ylim=(0.0, 360.0), yticks=range(0, 361, 90))
     axes.set_title("Orientations")
     _push_axis(axes, len(theta))
 

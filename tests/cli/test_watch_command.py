@@ -172,7 +172,7 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
     grown(monkeypatch, fail)
     results = {"out": here / "out", "picture_format": "png", "json_target": "-"}
     with pytest.raises(type(failure)):
-        module.watch_command.callback(here / "fol", 0.01, True, 0.5, None, None, None, None, **results)
+        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, None, None, **results)
     if code is not None:
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code
