@@ -61,15 +61,6 @@ def test_every_page_has_its_rows_of_panels_which_lie_apart(whole, motion, angles
         assert not any(text.get_window_extent().overlaps(box) for text in figure.texts for box in boxes)
 
 
-def test_laws_are_drawn_in_degrees_and_millimetres_where_the_pushes_are(whole) -> None:
-    for axes, law, scale in zip(fit_page(whole).axes[:3], whole.laws.laws, (180 / np.pi, 1e3, 1e3), strict=True):
-        dots, line = axes.lines[0], axes.lines[1]
-        assert np.allclose(dots.get_ydata(), scale * law.value)
-        assert np.allclose(line.get_ydata(), scale * law.law(np.deg2rad(line.get_xdata())))
-        low, high = axes.get_ylim()
-        assert np.mean((dots.get_ydata() >= low) & (dots.get_ydata() <= high)) >= 0.99
-
-
 def test_sentences_carry_the_numbers(whole) -> None:
     said = " ".join(sentences.set_sentences(whole))
     law, forecast = whole.laws.dtheta, whole.cycle_map.forecast
