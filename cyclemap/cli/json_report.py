@@ -50,7 +50,7 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.worn is not None:
-        report["worn"] = {**_staircase(portrait.worn), "zones": [_zone(zone) for zone in portrait.worn.zones]}
+        report["worn"] = _with_zones(portrait.worn)
     if measured is not None:
         agreement = measured.agreement
         told: Json = {"pairs": agreement.pairs, "dropped": dict(measured.pairs.dropped), "bins": agreement.bins}
@@ -72,7 +72,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     if forecast.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(forecast.uncertainty)
     if forecast.worn is not None:
-        report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
+        report["worn"] = _with_zones(forecast.worn)
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
@@ -136,6 +136,10 @@ def _staircase(prediction: StaircaseSummary) -> Json:
     }
 
 
+def _with_zones(prediction: StaircaseSummary) -> Json:
+    return {**_staircase(prediction), "zones": [_zone(zone) for zone in prediction.zones]}
+
+
 def _zone(zone: SlowZone) -> Json:
     return {
         "centre_deg": direction_deg(zone.centre),
@@ -169,8 +173,7 @@ def measured_report(measured: MeasuredStaircase) -> Json:
             "harmonics": measured.fitted.law.harmonics,
             "pairs": measured.fitted.pairs,
             "noise_deg": degrees(measured.fitted.sigma),
-            **_staircase(measured.prediction),
-            "zones": [_zone(zone) for zone in measured.prediction.zones],
+            **_with_zones(measured.prediction),
         },
         "comparison": comparison_report(measured.comparison),
     }

@@ -37,7 +37,7 @@ def run_dynamics(
         return
     console = PeopleConsole()
     console.tell(difference_sentence(material), difference_sentence(isotropic))
-    table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=2)
+    table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
     for law, models in rows.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))

@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rich.table import Column, Table
-
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish_json, write_json
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
@@ -83,10 +81,7 @@ def run_figures(
                 # One exhibit for people: title, rows of a table, caption, file, and whether measured data were there.
                 console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
                 if header:
-                    table = Table(*(Column(name, no_wrap=True) for name in header))
-                    for row in rows:
-                        table.add_row(*row)
-                    console.print_table(table)
+                    console.print_table(people_table("", header, rows, words=range(len(header))))
                 console.print(str(line["caption"]))
                 if asked:
                     console.print(f"measured data: {line['measured'] or NO_DATA}")

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
 from cyclemap.cli.options import LoopOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.collection_file import collection_text, loop_tables
@@ -186,15 +186,15 @@ def _parameter(one: Estimate) -> Json:
 
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
-    interval = (f"{100.0 * found.level:g} % interval", "right")
-    table = _table("Parameters", ("name", "left"), ("value", "right"), interval, ("what it is", "left"))
+    rows: list[tuple[str, ...]] = []
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
         ends = _digits(factor * one.lower) + "*" * one.lower_open, _digits(factor * one.upper) + "*" * one.upper_open
         told = " to ".join(ends) if one.identifiable else "not identifiable"
-        table.add_row(one.name, f"{_digits(factor * one.value)}{unit}", told, one.description)
-    for name, held in sorted(found.problem.fixed.items()):
-        table.add_row(name, _digits(held), "held", "")
+        rows.append((one.name, f"{_digits(factor * one.value)}{unit}", told, one.description))
+    rows += [(name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())]
+    columns = ("name", "value", f"{100.0 * found.level:g} % interval", "what it is")
+    table = people_table("Parameters", columns, rows, words=(0, 3))
     if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
         table.caption = "* a bound of the parameter, not excluded by the data"
     return table
@@ -202,33 +202,26 @@ def parameter_table(found: Identification) -> Table:
 
 def derived_table(derived: Sequence[Derived]) -> Table:
     """What follows from the parameters."""
-    table = _table("It follows", ("name", "left"), ("value", "right"), ("interval", "right"), ("what it is", "left"))
+    rows = []
     for one in derived:
         unit, factor = readable_unit(one.unit)
         value = f"{_digits(factor * one.value)}{unit}"
         interval = f"{_digits(factor * one.lower)} to {_digits(factor * one.upper)}" if one.known else "any"
-        table.add_row(one.name.replace("_", " "), value, interval, one.description)
-    return table
+        rows.append((one.name.replace("_", " "), value, interval, one.description))
+    return people_table("It follows", ("name", "value", "interval", "what it is"), rows, words=(0, 3))
 
 
 def error_table(found: Identification) -> Table:
     """How far predictions lie from the data: in the sample, left out, and those of isotropic friction."""
-    columns = [("data", "left"), ("error", "left"), ("values", "right"), ("mean", "right"), ("median", "right")]
-    columns += [("mean, left out", "right"), ("median", "right"), ("mean, isotropic", "right"), ("median", "right")]
-    table = _table("Errors, predicted less measured", *columns)
+    columns = ("data", "error", "values", "mean", "median", "mean, left out", "median", "mean, isotropic", "median")
+    rows = []
     for one in found.errors:
         kind, unit, factor = readable_kind(one.kind)
         sizes = [getattr(one, name) for name in _SIZES if not name.endswith("rms")]
         told = [f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes]
-        table.add_row(one.block, kind, str(one.rows), *told)
+        rows.append((one.block, kind, str(one.rows), *told))
+    table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
     table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
-    return table
-
-
-def _table(title: str, *columns: tuple[str, str]) -> Table:
-    table = Table(title=title, title_justify="left", caption_justify="left")
-    for heading, side in columns:
-        table.add_column(heading, justify=side, no_wrap=side == "right")  # type: ignore[arg-type]
     return table
 
 

@@ -49,10 +49,8 @@ def run_portrait(
         told.append(sentences.agreement_sentence(measured.agreement))
     console.tell(sentences.headline(found), *filter(None, told))
     if found.fixed_points:
-        table = people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""))
-        for orbit in found.fixed_points:
-            table.add_row(f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
-        console.print_table(table)
+        rows = [(f"{math.degrees(o.points[0]):.3f}", f"{o.multiplier:.4f}", o.kind) for o in found.fixed_points]
+        console.print_table(people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""), rows))
     if line := sentences.material_line(material):
         console.print(line)
     for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):

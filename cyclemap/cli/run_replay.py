@@ -55,7 +55,7 @@ def run_replay(
         return
     console = PeopleConsole()
     console.print(replay_headline(replayed), style="bold")
-    table = people_table("Error at the end, by object (means)", COLUMNS, words=2)
+    table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors, turns = (
             [f"{scale * row[name]:.2f}" for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")]

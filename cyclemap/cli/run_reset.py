@@ -52,12 +52,7 @@ def run_reset(
     for sentence in miss_sentences(design):
         console.print(sentence, style="bold red")
     console.tell(*design_sentences(design))
-    table = people_table("Beside it", COLUMNS, words=2)
-    for column in table.columns[2:]:
-        column.no_wrap = True
-    for row in design.rows[1:]:
-        table.add_row(*row_cells(row))
-    console.print_table(table)
+    console.print_table(people_table("Beside it", COLUMNS, map(row_cells, design.rows[1:]), words=(0, 1)))
     files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
     console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))
 

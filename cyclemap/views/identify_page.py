@@ -156,18 +156,13 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     """The interval of one parameter on an axis of its own, its name at the left."""
     unit, factor = readable_unit(one.unit)
     value, lower, upper = factor * one.value, factor * one.lower, factor * one.upper
-    look: dict[str, Any] = {
-        "color": PREDICTED if one.identifiable else QUIET,
-        "linewidth": 2.2,
-        "solid_capstyle": "butt",
-    }
-    axes.plot([lower, upper], [0.0, 0.0], **look)
-    axes.plot(value, 0.0, "o", color=look["color"], markersize=5)
+    color = PREDICTED if one.identifiable else QUIET
+    axes.plot([lower, upper], [0.0, 0.0], color=color, linewidth=2.2, solid_capstyle="butt")
+    axes.plot(value, 0.0, "o", color=color, markersize=5)
     for end, opened in ((lower, one.lower_open), (upper, one.upper_open)):
-        axes.plot(end, 0.0, "|" if not opened else "x", color=look["color"], markersize=8)
-    room = 0.35 * max(upper - lower, 1e-9)
+        axes.plot(end, 0.0, "|" if not opened else "x", color=color, markersize=8)
     # An interval narrower than the digits of its ticks would be labelled with an offset that nobody can read.
-    room = max(room, 1e-3 * max(abs(lower), abs(upper), 1e-3))
+    room = max(0.35 * (upper - lower), 1e-3 * max(abs(lower), abs(upper), 1e-3))
     axes.set_xlim(lower - room, upper + room)
     axes.ticklabel_format(axis="x", useOffset=False)
     axes.set(yticks=[], ylim=(-1.0, 1.0))

@@ -24,12 +24,7 @@ CLOSE_NAMES = 0.045
 
 
 def draw_rotation_plane(
-    axes: Axes,
-    plane: RotationPlane,
-    first_label: str = "first parameter",
-    second_label: str = "second parameter",
-    *,
-    longest_period: int = LONGEST_PERIOD,
+    axes: Axes, plane: RotationPlane, first_label: str = "first parameter", second_label: str = "second parameter"
 ) -> None:
     """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded maps hatched."""
     first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
@@ -43,7 +38,7 @@ def draw_rotation_plane(
             look: dict[str, Any] = {"facecolor": "none", "edgecolor": color, "hatch": hatch, "linewidth": 0.0}
             axes.broken_barh(runs, height, label=label, zorder=3, **look)
             label = ""
-    _mark_tongues(axes, plane, first, second, longest_period)
+    _mark_tongues(axes, plane, first, second)
     axes.set(xlabel=first_label, ylabel=second_label)
     axes.set_xlim(float(first.min()), float(first.max()))
     axes.set_ylim(float(second.min()), float(second.max()))
@@ -60,9 +55,9 @@ def cell_edges(values: Array) -> Array:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _mark_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array, longest: int) -> None:
+def _mark_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array) -> None:
     """Edges of cells locked at p/q of a short period, beside others; p/q in the widest row that has room for it."""
-    shown = (plane.period > 0) & (plane.period <= longest)
+    shown = (plane.period > 0) & (plane.period <= LONGEST_PERIOD)
     ratio = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.inf)
     across, upward = ratio[:-1] != ratio[1:], ratio[:, :-1] != ratio[:, 1:]
     lines = [[(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)]

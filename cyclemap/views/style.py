@@ -33,7 +33,6 @@ _SAVED: dict[str, dict[str, Any]] = {
     "pdf": {"metadata": {"CreationDate": None}},
     "svg": {"metadata": {"Date": None}},
 }
-PICTURE_FORMATS = tuple(_SAVED)
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
@@ -111,8 +110,8 @@ def write_tall_page(figure: Figure, title: str, words: Iterable[str], foot: str,
 
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
-    if picture_format not in PICTURE_FORMATS:
-        raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}")
+    if picture_format not in _SAVED:
+        raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(_SAVED)}")
     for text in figure.findobj(Text):
         # A dollar sign in a name begins no formula; one that is escaped already stays so.
         text.set_text(re.sub(r"(?<!\\)\$", r"\$", typeset(printable(text.get_text()))))

@@ -16,6 +16,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Patch
+from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -173,17 +174,10 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
     """
     if min(plane.period.shape) < _FINE_PLANE:
         return plane
-    ratio = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan)
-    # Which cells are one of two by two that are equal.
-    along = ratio[1:] == ratio[:-1]
-    block = along[:, 1:] & along[:, :-1] & (ratio[1:, 1:] == ratio[1:, :-1])
-    found = np.zeros(ratio.shape, dtype=bool)
-    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
-        part |= block
-    wide = np.pad(np.where(found, ratio, np.nan), 1, constant_values=np.nan)
-    rows, columns = ratio.shape
-    touched = [wide[i : i + rows, j : j + columns] == ratio for i in range(3) for j in range(3)]
-    kept = np.logical_or.reduce(touched)
+    ratio, kept = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan), plane.period < 0
+    for one in np.unique(ratio[plane.period > 0]):
+        wide = binary_opening(ratio == one, np.ones((2, 2)))
+        kept |= (ratio == one) & binary_dilation(wide, np.ones((3, 3)))
     return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
 
 

@@ -82,35 +82,3 @@ def test_what_the_data_do_not_hold_is_refused_and_a_length_can_be_said(here, ref
     assert run([*COMPARE, "poses.csv", "--set", "push_mm=150", "--json", "-"]) == 0
     (pushes,) = printed()[0]["pushes"]
     assert pushes["push_mm"] == pytest.approx(150.0) and pushes["dx_mm"]["rmse"] < 1e-3
-
-
-def test_damaged_data_are_one_line_and_no_traceback(here, capsys) -> None:
-    """Data that are none, cut short, of the wrong kind, or hold what no push can."""
-    good, pushes = (here / "measured.csv").read_text(), poses()
-    (here / "empty").mkdir()
-    (here / "cut").mkdir()
-    files = {
-        "header.csv": "theta0_deg\n",
-        "nothing.csv": "",
-        "one.csv": "theta0_deg\n12.0\n",
-        "word.csv": good.replace("\n", "\nhalf\n", 1),
-        "nan.csv": good + "nan\n",
-        "columns.csv": "a,b\n1,2\n",
-        "pose_text.csv": pushes.replace("rect1,0,0.7,0,150,0,0", "rect1,0,0.7,0,150,zero,0", 1),
-        "pose_far.csv": pushes.replace("rect1,0,0.7,0,150,0,0", "rect1,0,0.7,0,150,1e9,0", 1),
-        "pose_short.csv": pushes[:-20].rsplit(",", 2)[0],
-        "other.csv": pushes.replace("plywood", "abs"),
-        "text.h5": "not HDF5",
-        "data.txt": good,
-        "cut/push.json": '{"object_pose": [[0, 0,',
-        "list.json": "[1, 2, 3]",
-    }
-    for name, text in files.items():
-        (here / name).write_text(text)
-    (here / "bytes.csv").write_bytes(b"\xff\xfe\x00theta0_deg\n1\n")
-    for path in (*files, "bytes.csv", "empty", "cut", "missing.csv", "missing"):
-        code = run([*COMPARE, path])
-        shown = capsys.readouterr()
-        assert code in (1, 2), path
-        assert shown.err.startswith("error: ") and len(shown.err.splitlines()) == 1, path
-    assert not (here / "out").exists()

@@ -2,6 +2,9 @@
 
 import json
 import math
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -122,13 +125,12 @@ def test_following_tells_people_what_changes_and_a_file_that_begins_anew(here, c
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["pushes"] == 4
 
 
-def test_a_table_of_ones_own_is_watched_like_ours_and_followed(here, capsys, monkeypatch, printed) -> None:
+def test_a_table_of_ones_own_is_watched_like_ours_and_followed(here, capsys, monkeypatch, report_of) -> None:
     """Semicolons and decimal commas under another name: the report is that of the same angles in our columns."""
     own = here / "log.csv"
     lines = [f"{n};{angle:.2f}\n".replace(".", ",") for n, angle in enumerate(LOCKED)]
     own.write_text("Nr;Winkel vorher\n" + "".join(lines))
-    assert run(["watch", str(data_file(here)), "--json", "-"]) == 0
-    ours = printed()[0]
+    ours = report_of("watch", str(data_file(here)))
     asked = ["watch", "log.csv", "--columns", "theta0=Winkel vorher", "--units", "deg", "--json", "-"]
     assert run(asked) == 0
     shown = capsys.readouterr()
@@ -164,6 +166,16 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code
     assert sorted(path.name for path in (here / "out").iterdir()) == ["watch_fol.json", "watch_fol.png"]
+
+
+@pytest.mark.slow
+def test_a_real_interrupt_ends_with_130_quietly_and_leaves_the_report(here) -> None:
+    command = [sys.executable, "-m", "cyclemap", "watch", str(data_file(here)), "--follow", "--json", "-"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert [json.loads(process.stdout.readline())["push"] for _ in LOCKED] == list(range(len(LOCKED)))
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=60) == ("", "") and process.returncode == 130
+    assert json.loads((here / "out" / "watch_my_run.json").read_text())["alarm"]["kind"] == "rest"
 
 
 ACTION = "[[strategy.actions]]\nfraction = 0.7\npush_mm = 150\n"

@@ -49,10 +49,9 @@ def test_the_exact_answer_is_the_portrait() -> None:
     assert answer["may_lie"] == [[round(math.degrees(end), 2) for end in (one.lower, one.upper)] for one in known]
     stable = next(one["theta_deg"] for one in answer["fixed_points"] if one["stable"])
     assert any(low <= stable <= high for low, high in answer["may_lie"])
-    for now, after, course in zip(answer["orbit"], answer["orbit"][1:], answer["courses"], strict=False):
+    for now, after, (push, drag) in zip(answer["orbit"], answer["orbit"][1:], answer["courses"], strict=False):
         cycle = loop.cycle(math.radians(now))
         assert after == pytest.approx(math.degrees(cycle.theta_next), abs=1e-3)
-        push, drag = course
         assert push[-1][:3] == drag[0][:3]
         assert math.hypot(*drag[-1][3:]) < 1e-2, "the rod ends at the target"
         assert push[-1][2] - push[0][2] == pytest.approx(math.degrees(cycle.push_turn), abs=0.02)
@@ -135,14 +134,9 @@ def server():
 
 def request(server, path="/api/echo", body=b'{"a": 1}', **changed):
     """The status and body of a POST as the page sends it, with headers changed (None: left out)."""
-    headers = {
-        "Host": server.origin[7:],
-        "Origin": server.origin,
-        "X-Token": server.token,
-        "Content-Type": "application/json",
-        "Content-Length": str(len(body)),
-    }
-    headers.update({name.replace("_", "-"): value for name, value in changed.items()})
+    headers = {"Host": server.origin[7:], "Origin": server.origin, "X-Token": server.token}
+    headers |= {"Content-Type": "application/json", "Content-Length": str(len(body))}
+    headers |= {name.replace("_", "-"): value for name, value in changed.items()}
     with closing(HTTPConnection(*server.server_address, timeout=20)) as connection:
         connection.putrequest("POST", path, skip_host=True)
         for name, value in headers.items():

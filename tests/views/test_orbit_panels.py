@@ -117,17 +117,17 @@ def sine(K):
     return CircleMap.arnold(0.1, K)
 
 
-def test_branches_are_solid_where_stable_and_change_at_bifurcations_that_stand_where_theory_has_them() -> None:
-    """Fixed points of the sine map from before their birth to beyond their period doubling."""
-    axes, counted = panel(), {"-": 0, "--": 0}
+def test_branches_are_solid_where_stable_and_change_at_bifurcations() -> None:
+    """Fixed points of the sine map from before their birth to beyond their period doubling, where theory has them."""
+    axes, seen = panel(), set()
     draw_orbit_branches(axes, orbit_branches(sine, (0.3, 2.5)), bifurcations(sine, (0.3, 2.5)), "K")
     for line in axes.lines:
         for K, theta_deg in line.get_xydata()[1:-1] if line.get_marker() == "None" else ():
-            multiplier = float(sine(K).derivative(np.radians(theta_deg)))
-            assert (abs(multiplier) < 1.0) == (line.get_linestyle() == "-")
+            stable = abs(float(sine(K).derivative(np.radians(theta_deg)))) < 1.0
+            assert stable == (line.get_linestyle() == "-")
             assert np.sin(np.radians(theta_deg)) == pytest.approx(0.2 * np.pi / K, abs=1e-9)
-            counted[line.get_linestyle()] += 1
-    assert min(counted.values()) > 5
+            seen.add(stable)
+    assert seen == {True, False}
     assert legend_words(axes) == ["stable", "unstable", "saddle-node", "period-doubling"]
     png(axes)
 
