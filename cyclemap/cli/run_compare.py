@@ -51,15 +51,8 @@ def run_compare(
     told = (data_sentence(found), *verdicts, *trust_sentences(found))
     console.tell(headline(name, found), *told)
     for whose, quantities in found.told_pushes:
-        table = people_table(f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS)
-        for one in quantities:
-            scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
-            lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
-            values = [f"{scale * value:.2f}" for value in lengths]
-            # Of a mean that is nothing beside the spread a percentage says nothing.
-            shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
-            table.add_row(SYMBOLS[one.name], *values, *shares)
-        console.print_table(table)
+        title = f"{quantities[0].count} pushes{whose}"
+        console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
     if found.orientations is not None:
         table = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
         for name, test in found.orientations.tests.items():
@@ -67,6 +60,14 @@ def run_compare(
             table.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
         console.print_table(table)
     console.print(f"picture: {picture}")
+
+
+def _push_cells(one: QuantityAgreement) -> list[str]:
+    """The row of a quantity; of a mean that is nothing beside the spread a percentage says nothing."""
+    scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
+    lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
+    shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
+    return [SYMBOLS[one.name], *(f"{scale * value:.2f}" for value in lengths), *shares]
 
 
 _DEGREE, _METRE = math.degrees(1.0), 1000.0

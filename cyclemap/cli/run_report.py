@@ -71,17 +71,13 @@ def run_report(
         sections.append(Section("How sure", tuple(filter(None, sure))))
         sections = [replace(one, paragraphs=tuple(map(typeset, one.paragraphs))) for one in sections]
         sections += [Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
-    words = ["cyclemap", "report", options.material or ""]
-    words += [word for one in options.settings for word in ("--set", one)]
-    words += ["--protocol", options.protocol.name] if options.protocol else []
-    words += ["--data", data.name] if data else []
     picture = render(portrait_page(found, portrait_curves(found)), "png", 80)
     page = report_html(
         found,
         start,
         rings,
         picture,
-        shlex.join([*words, *["--reset"] * reset]),
+        _command(options, data, reset),
         pairs=pairs,
         sections=sections,
         downloads=downloads,
@@ -90,6 +86,15 @@ def run_report(
     place = out / f"report_{file_stem(loop.material.name)}.html"
     write_whole(place, page.encode())
     click.echo(f"report: {place} ({len(page.encode()) / 1e3:.0f} kB)")
+
+
+def _command(options: LoopOptions, data: Path | None, reset: bool) -> str:
+    """The command line that makes the report."""
+    words = ["cyclemap", "report", options.material or ""]
+    words += [word for one in options.settings for word in ("--set", one)]
+    words += ["--protocol", options.protocol.name] if options.protocol else []
+    words += ["--data", data.name] if data else []
+    return shlex.join([*words, *["--reset"] * reset])
 
 
 def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress: Progress) -> list[Section]:

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from cyclemap.resets.monitor.audit import Audit
+from cyclemap.resets.monitor.audit import Audit, ResetEffect
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, QUIET, new_figure, picture_style
 from cyclemap.views.watch_page import directions, draw_path, draw_rose, draw_worth
@@ -44,7 +44,7 @@ def audit_paragraph(found: Audit) -> str:
         where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
     cover = f"The orientations of the object before {pushes} pushes{of} {where}."
     worth = f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly."
-    alarm, start, reset, aim = found.report.alarm, found.locked_from, found.reset, angle(state.least_covered, 0)
+    alarm, start, aim = found.report.alarm, found.locked_from, angle(state.least_covered, 0)
     locks = start is not None and found.gathered > _LOCKED
     if not found.ordered:
         gathered = "Their order is not known, so that nothing can be said of when they gathered."
@@ -56,15 +56,6 @@ def audit_paragraph(found: Audit) -> str:
             f"From push {start} on they {how} about {directions(alarm.directions)}: {found.gathered:.0%} of the "
             f"{pushes - start} pushes from there on lie within 10° of it."
         )
-    undone = "What the reset did cannot be said: the data do not have the poses before and after pushes in a row."
-    if reset is not None:
-        turns = (np.degrees(turn) for turn in (reset.push_turn, reset.reset_turn))
-        push, back = (f"{turn.mean():.1f}° ± {turn.std():.1f}°" for turn in turns)
-        moved = angle(float((reset.push_turn + reset.reset_turn).mean()))
-        undone = (
-            f"A push turned the object by {push}, the reset behind it by {back}: that took {reset.undone:.0%} back, "
-            f"so that the next push began {moved} farther on average."
-        )
     change = f"For more data begin at {aim}, the orientation least covered, or with a reset that cyclemap reset finds."
     if found.is_good:
         change = f"Nothing needs to change; the orientation least covered is {aim}."
@@ -73,7 +64,19 @@ def audit_paragraph(found: Audit) -> str:
             f"Weigh what follows push {start} less, or leave it out; for more data change the reset (cyclemap reset "
             f"finds one) and begin at {aim}, the orientation least covered."
         )
-    return " ".join([cover, gathered, worth, undone, change])
+    return " ".join([cover, gathered, worth, _undone(found.reset), change])
+
+
+def _undone(reset: ResetEffect | None) -> str:
+    if reset is None:
+        return "What the reset did cannot be said: the data do not have the poses before and after pushes in a row."
+    turns = (np.degrees(turn) for turn in (reset.push_turn, reset.reset_turn))
+    push, back = (f"{turn.mean():.1f}° ± {turn.std():.1f}°" for turn in turns)
+    moved = angle(float((reset.push_turn + reset.reset_turn).mean()))
+    return (
+        f"A push turned the object by {push}, the reset behind it by {back}: that took {reset.undone:.0%} back, "
+        f"so that the next push began {moved} farther on average."
+    )
 
 
 @picture_style()

@@ -45,31 +45,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
     )  # fmt: skip
     if found.cycle is not None:
-        turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
-        assert found.data.pairs is not None
-        draw_turn(turn, curve, ())
-        draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-        turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
-        style.legend_above(turn)
-        histogram.set_title("Directions", pad=TITLE_PAD)
-        style.degree_axis(histogram)
-        histogram.set_ylabel("probability per degree")
-        if found.orientations is None:
-            style.say(histogram, "order of the pushes unknown")
-        else:
-            draw_measured_histogram(histogram, found.orientations.measured)
-            predicted = found.orientations.predicted
-            heights, edges = PER_DEGREE * predicted.density, np.degrees(predicted.edges)
-            histogram.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
-            histogram.set_ylim(bottom=0.0)
-            style.legend_above(histogram)
-        staircase.set_title("Staircase", pad=TITLE_PAD)
-        if found.data.path is None or found.staircase is None:
-            style.say(staircase, "order of the pushes unknown")
-        else:
-            draw_staircase(staircase, found.staircase.run, found.data.path)
-            staircase.set_xlabel("cycle of the compared path")
-            style.legend_above(staircase)
+        _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
     if found.pushes:
         panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
         draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
@@ -113,6 +89,35 @@ def residual_page(found: Comparison) -> Figure | None:
         style.degree_axis(axes)
         axes.set_ylabel(label)
     return figure
+
+
+def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> None:
+    """The cycle map, the directions recorded and the staircase, measured and predicted."""
+    turn, histogram, staircase = panels
+    assert found.cycle is not None and found.data.pairs is not None
+    draw_turn(turn, curve, ())
+    draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+    turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
+    style.legend_above(turn)
+    histogram.set_title("Directions", pad=TITLE_PAD)
+    style.degree_axis(histogram)
+    histogram.set_ylabel("probability per degree")
+    if found.orientations is None:
+        style.say(histogram, "order of the pushes unknown")
+    else:
+        draw_measured_histogram(histogram, found.orientations.measured)
+        predicted = found.orientations.predicted
+        heights, edges = PER_DEGREE * predicted.density, np.degrees(predicted.edges)
+        histogram.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
+        histogram.set_ylim(bottom=0.0)
+        style.legend_above(histogram)
+    staircase.set_title("Staircase", pad=TITLE_PAD)
+    if found.data.path is None or found.staircase is None:
+        style.say(staircase, "order of the pushes unknown")
+    else:
+        draw_staircase(staircase, found.staircase.run, found.data.path)
+        staircase.set_xlabel("cycle of the compared path")
+        style.legend_above(staircase)
 
 
 def _draw_pushes(panels: list[Axes], found: Comparison) -> None:

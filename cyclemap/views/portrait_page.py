@@ -45,34 +45,39 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
     draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
     if measured is not None:
         draw_measured_turns(turn, measured.pairs, measured.bins)
-    turn.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
     draw_density(density, curves)
     if measured is not None:
         draw_measured_histogram(density, measured.histogram)
     density.set_ylim(bottom=0.0)
-    density.set_title("Directions recorded", y=_TITLE_PLACE)
     for axes in (turn, density):
         # On the title's line, where it can cover nothing.
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, **_NARROW)
     draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
     place = "the jump" if portrait.gathering_jumps else "the slowest direction"
     place = "the stable direction" if portrait.stable_points else place
-    whole = curves.cobweb.high - curves.cobweb.low > 6.2
-    cobweb.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
+    about = "" if curves.cobweb.high - curves.cobweb.low > 6.2 else f" about {place}"
     path = None if measured is None else measured.pairs.path
     draw_staircase(staircase, portrait.staircase.theta, path)
-    staircase.set_title("Staircase", y=_TITLE_PLACE)
     if path is not None:
         staircase.legend(loc="upper left")
     draw_cycle(push, drag, curves.scene)
     cycle = portrait.cycle
-    push.set_title(
-        f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
+    start, pushed, dragged = map(sentences.angle, (cycle.theta, cycle.push_turn, cycle.drag_turn))
+    titles = (
+        f"Turn of one cycle{', fresh' * (portrait.worn is not None)}",
+        *("Directions recorded", f"Cobweb{about}", "Staircase"),
+        *(f"Push from {start}: turns {pushed}", f"Drag by the ring: turns {dragged}"),
     )
-    drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
+    for axes, title in zip(panels, titles, strict=True):
+        axes.set_title(title, y=_TITLE_PLACE)
+    _write_words(figure, portrait, curves, measured)
+    return figure
+
+
+def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
     material, said = portrait.loop.material, sentences.headline(portrait)
     tellers = (sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
-    told = [*(tell(portrait) for tell in tellers), sentences.uncertainty_sentence(material.name, known)]
+    told = [*(tell(portrait) for tell in tellers), sentences.uncertainty_sentence(material.name, portrait.uncertainty)]
     style.write_page(figure, said, told, size=18.0 * min(1.0, _HEADLINE_LETTERS / len(said)))
     inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
     how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"
@@ -81,7 +86,6 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
         foot.append(sentences.agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
     figure.text(0.985, 0.06, cycle_key(curves.scene), fontsize=8, color=QUIET, va="top", ha="right", linespacing=1.35)
-    return figure
 
 
 PER_DEGREE = np.pi / 180
