@@ -6,6 +6,7 @@ import pytest
 from cyclemap.maps import RotationPlane
 from cyclemap.mechanics import MIT_HITCH
 from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
+from cyclemap.views.rotation_panels import cell_edges
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_page, sweep_sentences, without_specks
 
@@ -98,6 +99,11 @@ def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     assert all("contact fraction" in text for text in sweep.refusals)
     assert "4 refused" in words(page_of(sweep))
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
+
+
+def test_cells_meet_half_way() -> None:
+    assert cell_edges(np.array([0.0, 1.0, 3.0])).tolist() == [-0.5, 0.5, 2.0, 4.0]
+    assert cell_edges(np.array([3.0])).tolist() == [2.5, 3.5]
 
 
 def plane(size, locked) -> RotationPlane:
