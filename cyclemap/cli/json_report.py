@@ -108,11 +108,10 @@ def json_text(report: Json) -> str:
 
 def uncertainty_report(found: DirectionUncertainty) -> Json:
     """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares are no chances."""
-    error = found.first_order_error
     return {
         "source": found.source,
         "method": found.method,
-        "first_order_error_deg": degrees(error),
+        "first_order_error_deg": degrees(found.first_order_error),
         "samples": found.samples,
         "samples_that_lock": found.locks,
         "chance_of_lock_in": found.chance if found.is_posterior else None,
