@@ -7,8 +7,7 @@ from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperimen
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.experiment_page import (
-    draw_object_frame,
-    draw_robot_frame,
+    draw_paths,
     experiment_headline,
     isotropic_sentence,
     method_line,
@@ -32,8 +31,8 @@ def draw(experiment: BatchExperiment) -> Figure:
         panels = figure.subplots(2, 2, gridspec_kw={"wspace": 0.3, "hspace": 0.42})
         figure.subplots_adjust(left=0.1, right=0.98, bottom=0.075, top=0.925)
         for column, (run, name) in enumerate(named_runs(experiment)):
-            draw_robot_frame(panels[0, column], run, f"{name}, robot's frame")
-            draw_object_frame(panels[1, column], run, f"{name}, object's frame")
+            draw_paths(panels[0, column], run, f"{name}, robot's frame")
+            draw_paths(panels[1, column], run, f"{name}, object's frame", in_object=True)
         for row in panels:
             limits = np.array([(*axes.dataLim.min, *axes.dataLim.max) for axes in row])
             low, high = limits[:, :2].min(axis=0), limits[:, 2:].max(axis=0)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
-from cyclemap.views.fit_page import CIRCLE, THETA0
+from cyclemap.views.fit_page import CIRCLE
 from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
@@ -89,7 +89,7 @@ def _draw_material(axes: Axes, one: MaterialDirections) -> None:
     density = PER_DEGREE * one.density
     axes.plot(np.degrees(CIRCLE), density, color=PREDICTED, linewidth=1.8, label="stationary density", zorder=4)
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
-    degree_axis(axes, THETA0)
+    degree_axis(axes)
     axes.set_ylabel("probability per degree")
     shown = [height, density] if one.recorded is None else [height, density, PER_DEGREE * one.recorded.density]
     axes.set_ylim(0.0, 1.3 * float(np.max(np.concatenate(shown))))

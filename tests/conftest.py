@@ -1,9 +1,10 @@
 """Fixtures that several rooms' tests share."""
 
 import json
+import math
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -85,6 +86,41 @@ def printed(capsys) -> Callable[[], tuple[dict, str]]:
         return json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")), shown.out
 
     return read
+
+
+@pytest.fixture
+def report_of(printed) -> Callable[..., dict]:
+    """The report of a command that is done and says nothing else."""
+    from cyclemap.cli.main import run
+
+    def read(*arguments: str) -> dict:
+        assert run([*arguments, "--json", "-"]) == 0
+        return printed()[0]
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def theta0_file() -> Callable[[Path, Iterable[float]], Path]:
+    """Write orientations (rad) as a table of θ0 in degrees."""
+
+    def write(file: Path, theta: Iterable[float]) -> Path:
+        file.write_text("theta0_deg\n" + "".join(f"{math.degrees(one) % 360:.4f}\n" for one in theta))
+        return file
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def sine_path() -> Callable[[float, int], list[float]]:
+    """A noisy path of the sine map with a slow zone: its orientations, rad."""
+    from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+
+    def sample(sigma: float, cycles: int) -> list[float]:
+        path = sample_staircase(CircleMap.arnold(0.11, 0.6), WrappedNormal(sigma), cycles, seed=1)
+        return path.theta.tolist()
+
+    return sample
 
 
 @pytest.fixture

@@ -1,28 +1,26 @@
-"""The commands: the few calls that each of them is.
+"""The commands: what each is called, says of itself and takes; what it does is run_NAME in run_NAME.py."""
 
-The rooms they call are imported inside them, so that `cyclemap --help` waits for none of them.
-"""
-
-from pathlib import Path
+from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 import click
+from click import Choice, argument, option
 
 from cyclemap.cli.options import (
-    JSON_HELP,
     MOST_CYCLES,
     PATH,
-    LoopOptions,
     Real,
-    RunRequest,
     Whole,
+    decorated,
+    json_option,
     loop_options,
-    measured_orientations,
     protocol_options,
-    readable_data,
+    quiet_option,
     result_options,
     run_options,
     select_option,
+    set_option,
     table_options,
     theta0_option,
 )
@@ -38,216 +36,357 @@ _QUANTITIES = (
 )
 _TOLERANCE = "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
 _ROTATION_TOLERANCE = "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
-_NOT_NEGATIVE = Real(min=0.0)
+_RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
+_SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
+_TV = "Most total variation of θ0 from uniform, in the long run, at the worst of the range."
+_CONTACT = "Shortest way of the rod in contact, in every push.  [default: two thirds of the push, else one]"
+_MORE = "What the robot can do besides: put the ring elsewhere, turn the object. Repeatable."
+_AXES = "How much one axis of friction may be longer against the other.  [default: the material's posterior, or 10]"
+_OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
+_LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
+_NOT_NEGATIVE, _ABOVE_ZERO = Real(min=0.0), Real(min=0.0, min_open=True)
+_SHARE, _PERCENT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.0, max=100.0, max_open=True)
+_WAIT = Real(min=0.01, max=86400.0)
 
 
-@click.command("cycle")
-@loop_options
-@theta0_option
-@click.option("--out", metavar="DIR", type=PATH, help="Also write cycles_MATERIAL.json there.")
-@click.option("--json", "json_target", metavar="FILE", help=JSON_HELP)
-def cycle_command(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
-    """Run single cycles: one push and one drag back from each start angle."""
-    from cyclemap.cli.run_cycle import run_cycle
+class _Commands(click.Group):
+    """The commands in the order of this file, each listed with its whole first sentence."""
 
-    run_cycle(options, theta0_deg, out, json_target)
+    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
+        """Add a command, which like all of them can be told to be quiet."""
+        cmd.params.append(quiet_option())
+        super().add_command(cmd, name)
 
-
-@click.command("portrait")
-@loop_options
-@run_options
-def portrait_command(
-    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, json_target: str | None,
-    **request: Any,
-) -> None:  # fmt: skip
-    """Compute the cycle map of a material, tell what it implies, and draw it."""
-    from cyclemap.cli.run_portrait import run_portrait
-
-    measured = measured_orientations(data, columns, units, request["out"])
-    run_portrait(options, RunRequest(measured, **request), json_target)
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands into the help."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()])
 
 
-@click.command("staircase")
-@loop_options
-@run_options
-def staircase_command(
-    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, json_target: str | None,
-    **request: Any,
-) -> None:  # fmt: skip
-    """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
-    from cyclemap.cli.run_portrait import run_staircase
-
-    measured = measured_orientations(data, columns, units, request["out"])
-    run_staircase(options, RunRequest(measured, **request), json_target)
+_SHOWN = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}
 
 
-@click.command("fingerprint")
-@protocol_options
-@click.option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside.")
-@result_options("fingerprint_MATERIAL.png and .json")
-def fingerprint_command(options: LoopOptions, **request: Any) -> None:
+@click.group(cls=_Commands, context_settings=_SHOWN)
+@click.version_option(package_name="cyclemap")
+def cli() -> None:
+    """What a robot that pushes an object and drags it back will record, predicted from friction."""
+
+
+def command(name: str, says: str, *takes: Callable[[Any], Any]) -> None:
+    """Add a command: its name, its help, its arguments and options in order.
+
+    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it.
+    """
+
+    def work(**given: Any) -> None:
+        getattr(import_module(f"cyclemap.cli.run_{name}"), f"run_{name}")(**given)
+
+    cli.command(name, help=says)(decorated(work, *takes))
+
+
+command(
+    "init",
+    """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a picture of it all.
+
+    Asked for no outline, it asks back.
+    """,
+    argument("file", type=PATH),
+    option("--rectangle-mm", metavar="WIDTH,HEIGHT", help="A rectangle: its lengths along x and y."),
+    option("--ellipse-mm", metavar="WIDTH,HEIGHT", help="An ellipse, or a disc: its whole widths along x and y."),
+    option("--shape", metavar="NAME", help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ..."),
+    option("--outline", metavar="PATH", type=PATH, help="An SVG, DXF, STL, URDF or CSV file of it."),
+    option("--unit", type=Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"),
+    option("--tolerance-mm", type=float, default=0.1, help="Corners of the outline that may go."),
+    option("--underside", is_flag=True, help="The foot print of a mesh, not its silhouette."),
+    option("--name", help="Of the object. [default: the file's]"),
+    option("--surface", default="table", help="Name of the surface."),
+    set_option,
+    option("--force", is_flag=True, help="Write over a file that is there."),
+    json_option,
+)
+command(
+    "check",
+    """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and draw it.""",
+    argument("file", type=PATH),
+    option("--out", metavar="DIR", type=PATH, default="out", help="Of the picture."),
+    json_option,
+)
+command(
+    "audit",
+    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its reset did.
+
+    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
+    """,
+    argument("data", type=PATH),
+    table_options,
+    result_options("audit_DATA.png and .json"),
+)
+command(
+    "probe",
+    """Ask whether pushes depend on their direction, what friction ellipse does the same, and where it would lock in.
+
+    MATERIAL, or --protocol, tells the object and its push; the surface is taken as isotropic. Give one of --data,
+    --command and --python.
+    """,
+    protocol_options,
+    option("--data", metavar="DATA", type=PATH, help="Pushes made: a table with end poses."),
+    option(
+        "--command",
+        "program",
+        metavar="PROGRAM",
+        help='A program: {"theta_deg"} in, {"dx_mm","dy_mm","dtheta_deg"} out.',
+    ),
+    option(
+        "--python", metavar="MODULE:FUNCTION", help="push(theta) -> (dx, dy, dtheta): rad; m in the object's frame."
+    ),
+    option("--count", type=Whole(12, 3600), default=72, help="Orientations, of a program or function."),
+    table_options,
+    result_options("probe.png and .json"),
+)
+command(
+    "cycle",
+    """Run single cycles: one push and one drag back from each start angle.""",
+    loop_options,
+    theta0_option,
+    option("--out", metavar="DIR", type=PATH, help="Also write cycles_MATERIAL.json there."),
+    json_option,
+)
+command(
+    "portrait",
+    """Compute the cycle map of a material, tell what it implies, and draw it.""",
+    loop_options,
+    run_options,
+)
+command(
+    "staircase",
+    """Predict the staircase of θ0: its steps, how long it rests on them, and one run.""",
+    loop_options,
+    run_options,
+)
+command(
+    "fingerprint",
     """Print the five numbers of a protocol and, for a material, the directions they predict.
 
     Without MATERIAL and friction settings only the protocol's own numbers are told.
-    """
-    from cyclemap.cli.run_fingerprint import run_fingerprint
+    """,
+    protocol_options,
+    option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside."),
+    result_options("fingerprint_MATERIAL.png and .json"),
+)
+command(
+    "explore",
+    """Move sliders and see the object move, its map, its stable directions and its staircase, in the browser.
 
-    run_fingerprint(options, **request)
+    MATERIAL is plywood where none is given. The page is served on this machine only; Ctrl-C ends it.
+    """,
+    protocol_options,
+    option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves."),
+    table_options,
+    option(
+        "--browser/--no-browser", default=True, show_default=False, help="Open the page, or only print its address."
+    ),
+)
+command(
+    "dynamics",
+    """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic friction.
 
+    Both stand on the footprint if it is made of points, else on points that carry its pressure: the paper's grid:8
+    where it is even, weighted and with points along the rim where it leans or has parts.
+    """,
+    loop_options,
+    theta0_option,
+    option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod."),
+    result_options("dynamics_MATERIAL.png and .json"),
+)
+command(
+    "experiment",
+    """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic friction.
 
-@click.command("simulate")
-@loop_options
-@click.option("--out", "folder", metavar="DIR", type=PATH, required=True, help="Folder of the collection.")
-@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, help="How many pushes.")
-@click.option("--seed", type=Whole(min=0), default=0, help="Seed of all noise.")
-@click.option("--start-deg", type=Real(), default=0.0, help="θ0 of the first push.")
-@click.option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: its own or 1.1]")
-@click.option("--pose-noise-mm", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded positions.")
-@click.option("--pose-noise-deg", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded angles.")
-@click.option("--force-noise-n", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded forces.")
-@click.option("--wear-to", metavar="MATERIAL", help="The surface at the last push: a name or a TOML file.")
-@click.option("--speed-mm-s", type=Real(min=0.0, min_open=True), default=20.0, help="Of the rod.")
-@click.option("--scans", is_flag=True, help="Friction scans of the fresh surface, too.")
-@click.option("--format", "suffix", type=click.Choice(["h5", "json"]), default="h5", help="Kind of the files.")
-@click.option("--json", "json_target", metavar="FILE", help=JSON_HELP)
-def simulate_command(options: LoopOptions, **request: Any) -> None:
+    It takes a minute or two; --quasi-static on the exact footprint a quarter of that. Dynamic cycles stand on the
+    footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
+    weighted and with points along the rim where it leans or has parts.
+    """,
+    loop_options,
+    option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced."),
+    option("--cycles", type=Whole(1, MOST_CYCLES), default=100, help="Cycles a batch."),
+    option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod."),
+    option("--quasi-static", is_flag=True, help="Quasi-static cycles, without inertia, in place of dynamic ones."),
+    result_options("experiment_MATERIAL.png and .json"),
+)
+command(
+    "figures",
+    """Make figures and tables of the paper, and those it lacks; without a NAME, list them.
+
+    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their captions.
+    """,
+    argument("names", metavar="[NAME ...|all]", nargs=-1),
+    option("--data", metavar="DIR", type=PATH, help=_FOLDER),
+    result_options("pictures, tables and figures.json"),
+)
+command(
+    "simulate",
     """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
 
     Run it again with the same arguments to go on with a collection that was broken off.
-    """
-    from cyclemap.cli.run_simulate import run_simulate
-
-    run_simulate(options, **request)
-
-
-@click.command("replay")
-@loop_options
-@click.option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED)
-@select_option
-@click.option("--pusher-friction", type=Real(min=0.0), help="Friction of rod and object. [default: 0.25, or as set]")
-@result_options("replay_MATERIAL.png and .json")
-def replay_command(options: LoopOptions, **request: Any) -> None:
-    """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
-
-    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
-    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
-    On an isotropic surface the friction coefficient changes no motion.
-    """
-    from cyclemap.cli.run_replay import run_replay
-
-    run_replay(options, **request)
-
-
-MOST_HARMONICS = 50
-
-
-@click.command("fit")
-@click.argument("data", type=PATH)
-@select_option
-@click.option("--harmonics", type=Whole(0, MOST_HARMONICS), help="Order of every law. [default: by cross-validation]")
-@click.option("--wear/--no-wear", default=True, help="Let the cycle map drift in time.")
-@click.option("--seed", type=Whole(min=0), default=0, help="Seed of folds and paths.")
-@table_options
-@result_options("fit_NAME.png and .json, for each set,")
-def fit_command(data: Path, columns: str | None, units: str | None, **request: Any) -> None:
+    """,
+    loop_options,
+    option("--out", "folder", metavar="DIR", type=PATH, required=True, help="Folder of the collection."),
+    option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, help="How many pushes."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of all noise."),
+    option("--start-deg", type=Real(), default=0.0, help="θ0 of the first push."),
+    option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: its own or 1.1]"),
+    option("--pose-noise-mm", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded positions."),
+    option("--pose-noise-deg", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded angles."),
+    option("--force-noise-n", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded forces."),
+    option("--wear-to", metavar="MATERIAL", help="The surface at the last push: a name or a TOML file."),
+    option("--speed-mm-s", type=_ABOVE_ZERO, default=20.0, help="Of the rod."),
+    option("--scans", is_flag=True, help="Friction scans of the fresh surface, too."),
+    option("--format", "suffix", type=Choice(["h5", "json"]), default="h5", help="Kind of the files."),
+    json_option,
+)
+command(
+    "fit",
     """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
 
     DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table of
     your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
-    """
-    from cyclemap.cli.run_fit import run_fit
-
-    run_fit(readable_data(data, columns, units, request["out"]), **request)
-
-
-@click.command("identify")
-@click.argument("data", nargs=-1, required=True, type=PATH)
-@table_options
-@select_option
-@click.option("--protocol", metavar="TOML", type=PATH, help="The --set keys in TOML tables.")
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=_FACT)
-@click.option("--first", type=Whole(min=0), default=0, help="Leave out cycles before this one.")
-@click.option("--most", type=Whole(min=2), default=2000, help="Pushes or drags of an object and file, at most.")
-@click.option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file.")
-@click.option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]")
-@click.option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable.")
-@click.option("--wear", is_flag=True, help="Let the friction change over the cycles.")
-@click.option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak.")
-@click.option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]")
-@click.option("--student", type=Real(min=1.0, min_open=True), default=4.0, help=_STUDENT)
-@click.option("--starts", type=Whole(min=1), default=2, help="Searches.")
-@click.option("--seed", type=Whole(min=0), default=0, help="Seed of starts, folds and draws.")
-@click.option("--name", help="Of the material. [default: SURFACE-identified]")
-@result_options("NAME.toml, identify_NAME.png and .json")
-def identify_command(data: tuple[Path, ...], columns: str | None, units: str | None, **request: Any) -> None:
+    """,
+    argument("data", type=PATH),
+    select_option,
+    option("--harmonics", type=Whole(0, 50), help="Order of every law. [default: by cross-validation]"),
+    option("--wear/--no-wear", default=True, help="Let the cycle map drift in time."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of folds and paths."),
+    table_options,
+    result_options("fit_NAME.png and .json, for each set,"),
+)
+command(
+    "identify",
     """Identify a surface from measured data, and write it as a material.
 
     DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
     tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
     once: friction is the surface's, pressure each object's, the shift between robot and camera each data set's.
-    """
-    from cyclemap.cli.run_identify import run_identify
-
-    run_identify([readable_data(path, columns, units, request["out"]) for path in data], **request)
-
-
-@click.command("compare")
-@loop_options
-@table_options
-@click.option("--data", metavar="DATA", required=True, type=PATH, help=_MEASURED)
-@click.option("--first", type=Whole(min=0), default=0, help="Leave out pushes before this one.")
-@select_option
-@click.option("--runs", type=Whole(min=19), default=199, help="Simulated collections.")
-@click.option("--seed", type=Whole(min=0), default=0, help="Seed of their noise.")
-@result_options("compare_MATERIAL.png and .json")
-def compare_command(options: LoopOptions, columns: str | None, units: str | None, **request: Any) -> None:
-    """Set the prediction of a material beside measured data, and say where they agree."""
-    from cyclemap.cli.run_compare import run_compare
-
-    run_compare(options, read=readable_data(request["data"], columns, units, request["out"]), **request)
-
-
-@click.command("sweep")
-@protocol_options
-@click.option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER)
-@click.option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid.")
-@click.option("--seed", type=Whole(min=0), default=0, help="Seed of the sample.")
-@click.option("--sequence", type=click.Choice(["sobol", "uniform"]), default="sobol", help="How the sample is spread.")
-@click.option("--quantities", metavar="LIST", default="rotation,fixed_points,turns", help=_QUANTITIES)
-@click.option("--tolerance-deg", type=Real(), help=_TOLERANCE)
-@click.option("--rotation-tolerance", type=Real(), default=1e-4, help=_ROTATION_TOLERANCE)
-@click.option("--workers", type=Whole(min=1), help="Processes. [default: one a core]")
-@click.option(
-    "--export", metavar="LIST", default="", show_default=False, help="Also write csv, netcdf, or both, by commas."
+    """,
+    argument("data", nargs=-1, required=True, type=PATH),
+    table_options,
+    select_option,
+    option("--protocol", metavar="TOML", type=PATH, help="The --set keys in TOML tables."),
+    option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=_FACT),
+    option("--first", type=Whole(min=0), default=0, help="Leave out cycles before this one."),
+    option("--most", type=Whole(min=2), default=2000, help="Pushes or drags of an object and file, at most."),
+    option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file."),
+    option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]"),
+    option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
+    option("--wear", is_flag=True, help="Let the friction change over the cycles."),
+    option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
+    option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
+    option("--student", type=Real(min=1.0, min_open=True), default=4.0, help=_STUDENT),
+    option("--starts", type=Whole(min=1), default=2, help="Searches."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of starts, folds and draws."),
+    option("--name", help="Of the material. [default: SURFACE-identified]"),
+    result_options("NAME.toml, identify_NAME.png and .json"),
 )
-@click.option("--draw", metavar="LIST", default="", show_default=False, help="Quantities to draw, by commas.")
-@click.option("--status", is_flag=True, help="Tell how far the sweep is, and compute nothing.")
-@result_options("the store sweep_MATERIAL.sqlite, .png, .csv and .nc")
-def sweep_command(options: LoopOptions, **request: Any) -> None:
+command(
+    "compare",
+    """Set the prediction of a material beside measured data, and say where they agree.""",
+    loop_options,
+    table_options,
+    option("--data", metavar="DATA", required=True, type=PATH, help=_MEASURED),
+    option("--first", type=Whole(min=0), default=0, help="Leave out pushes before this one."),
+    select_option,
+    option("--runs", type=Whole(min=19), default=199, help="Simulated collections."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of their noise."),
+    result_options("compare_MATERIAL.png and .json"),
+)
+command(
+    "replay",
+    """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
+
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
+    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
+    On an isotropic surface the friction coefficient changes no motion.
+    """,
+    loop_options,
+    option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED),
+    select_option,
+    option("--pusher-friction", type=_NOT_NEGATIVE, help="Friction of rod and object. [default: 0.25, or as set]"),
+    result_options("replay_MATERIAL.png and .json"),
+)
+command(
+    "watch",
+    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
+    table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
+
+    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
+    --follow, `--json -` prints a line of JSON for each push.
+    """,
+    argument("file", type=PATH),
+    option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE),
+    option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C)."),
+    option("--every", metavar="SECONDS", type=_WAIT, default=1.0, help="Between such looks."),
+    option("--protocol", metavar="TOML", type=PATH, help="With a [strategy]: which of its actions to take next."),
+    option("--material", metavar="MATERIAL", help=_SURFACE),
+    table_options,
+    result_options("watch_FILE.png and .json"),
+)
+command(
+    "reset",
+    """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol and schedule.""",
+    loop_options,
+    option("--allow-tv", type=_SHARE, default=0.10, help=_TV),
+    option("--extra-tv", type=_SHARE, default=0.02, help="More after --within pushes."),
+    option("--within", type=Whole(1, 10_000), default=50, help="Pushes from the worst start."),
+    option("--drag-ratio", type=_ABOVE_ZERO, default=2.0, help="Most mean drag, in those of now."),
+    option("--reach-mm", type=_ABOVE_ZERO, help="Most distance of rod or object from the target."),
+    option("--seconds", type=_ABOVE_ZERO, help="Most mean time of a cycle."),
+    option("--least-push-mm", type=_ABOVE_ZERO, help=_CONTACT),
+    option("--with", "abilities", type=Choice(["ring", "gripper"]), multiple=True, help=_MORE),
+    option("--keep-push", is_flag=True, help="Change only the way back: every push stays the loop's own."),
+    option("--axes-percent", type=_PERCENT, help=_AXES),
+    option("--offsets-percent", type=_ABOVE_ZERO, help=_OFFSETS),
+    option("--likely", metavar="MATERIAL", multiple=True, help=_LIKELY),
+    option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect."),
+    option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of the schedule."),
+    result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)"),
+)
+command(
+    "report",
+    "Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance.",
+    loop_options,
+    option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by."),
+    table_options,
+    option("--reset", is_flag=True, help="Also find a reset without bias, with its files (some ten seconds)."),
+    option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
+)
+command(
+    "sweep",
     """Sweep settings: the portrait's numbers at every point of a grid or a sample.
 
     Results are stored as they come; the same command again goes on where it stopped, and ends at once when all is
     there. Over one key or two it draws the bifurcation or phase diagram.
-    """
-    from cyclemap.cli.run_sweep import run_sweep_command
+    """,
+    protocol_options,
+    option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),
+    option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of the sample."),
+    option("--sequence", type=Choice(["sobol", "uniform"]), default="sobol", help="How the sample is spread."),
+    option("--quantities", metavar="LIST", default="rotation,fixed_points,turns", help=_QUANTITIES),
+    option("--tolerance-deg", type=Real(), help=_TOLERANCE),
+    option("--rotation-tolerance", type=Real(), default=1e-4, help=_ROTATION_TOLERANCE),
+    option("--workers", type=Whole(min=1), help="Processes. [default: one a core]"),
+    option(
+        "--export", metavar="LIST", default="", show_default=False, help="Also write csv, netcdf, or both, by commas."
+    ),
+    option("--draw", metavar="LIST", default="", show_default=False, help="Quantities to draw, by commas."),
+    option("--status", is_flag=True, help="Tell how far the sweep is, and compute nothing."),
+    result_options("the store sweep_MATERIAL.sqlite, .png, .csv and .nc"),
+)
+command(
+    "doctor",
+    """Tell what is installed, and how far cycles are from an independent solver's.
 
-    run_sweep_command(options, **request)
-
-
-@click.command("figures")
-@click.argument("names", metavar="[NAME ...|all]", nargs=-1)
-@click.option("--data", metavar="DIR", type=PATH, help=_FOLDER)
-@result_options("pictures, tables and figures.json")
-def figures_command(
-    names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, json_target: str | None
-) -> None:
-    """Make figures and tables of the paper, and those it lacks; without a NAME, list them.
-
-    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their captions.
-    """
-    from cyclemap.cli.run_figures import list_figures, run_figures
-
-    if names:
-        run_figures(names, data, out, picture_format, json_target)
-    else:
-        list_figures(json_target)
+    The exit code is 1 where something that should work does not.
+    """,
+    option("--json", "json_target", metavar="FILE", help="Write the findings as JSON; - prints them."),
+)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from cyclemap.collection.loop import CollectionLoop, Cycle
+    from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
@@ -18,20 +18,6 @@ if TYPE_CHECKING:
     from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
-
-
-def cycle_report(start_deg: float, cycle: Cycle) -> Json:
-    """One cycle from a start angle as it was given (degrees)."""
-    dx, dy = cycle.push_displacement
-    return {
-        "theta0_deg": start_deg,
-        "push_turn_deg": degrees(cycle.push_turn),
-        "push_dx_mm": number(1000 * dx),
-        "push_dy_mm": number(1000 * dy),
-        "drag_turn_deg": degrees(cycle.drag_turn),
-        "drag_mm": number(1000 * cycle.drag_length),
-        "theta1_deg": degrees(cycle.theta_next),
-    }
 
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
@@ -64,7 +50,7 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.worn is not None:
-        report["worn"] = {**_staircase(portrait.worn), "zones": [_zone(zone) for zone in portrait.worn.zones]}
+        report["worn"] = _with_zones(portrait.worn)
     if measured is not None:
         agreement = measured.agreement
         told: Json = {"pairs": agreement.pairs, "dropped": dict(measured.pairs.dropped), "bins": agreement.bins}
@@ -86,7 +72,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     if forecast.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(forecast.uncertainty)
     if forecast.worn is not None:
-        report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
+        report["worn"] = _with_zones(forecast.worn)
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
@@ -122,11 +108,10 @@ def json_text(report: Json) -> str:
 
 def uncertainty_report(found: DirectionUncertainty) -> Json:
     """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares are no chances."""
-    error = found.first_order_error
     return {
         "source": found.source,
         "method": found.method,
-        "first_order_error_deg": degrees(error),
+        "first_order_error_deg": degrees(found.first_order_error),
         "samples": found.samples,
         "samples_that_lock": found.locks,
         "chance_of_lock_in": found.chance if found.is_posterior else None,
@@ -148,6 +133,10 @@ def _staircase(prediction: StaircaseSummary) -> Json:
         "mean_residence_cycles": number(prediction.mean_residence_cycles),
         "step_deg": degrees(prediction.step),
     }
+
+
+def _with_zones(prediction: StaircaseSummary) -> Json:
+    return {**_staircase(prediction), "zones": [_zone(zone) for zone in prediction.zones]}
 
 
 def _zone(zone: SlowZone) -> Json:
@@ -183,8 +172,7 @@ def measured_report(measured: MeasuredStaircase) -> Json:
             "harmonics": measured.fitted.law.harmonics,
             "pairs": measured.fitted.pairs,
             "noise_deg": degrees(measured.fitted.sigma),
-            **_staircase(measured.prediction),
-            "zones": [_zone(zone) for zone in measured.prediction.zones],
+            **_with_zones(measured.prediction),
         },
         "comparison": comparison_report(measured.comparison),
     }

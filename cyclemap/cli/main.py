@@ -14,30 +14,8 @@ from typing import NoReturn
 import click
 from click.shell_completion import shell_complete
 
-from cyclemap.cli.command_audit import audit_command
-from cyclemap.cli.command_doctor import doctor_command
-from cyclemap.cli.command_dynamics import dynamics_command
-from cyclemap.cli.command_experiment import experiment_command
-from cyclemap.cli.command_explore import explore_command
-from cyclemap.cli.command_init import check_command, init_command
-from cyclemap.cli.command_probe import probe_command
-from cyclemap.cli.command_report import report_command
-from cyclemap.cli.command_reset import reset_command
-from cyclemap.cli.command_watch import watch_command
-from cyclemap.cli.commands import (
-    compare_command,
-    cycle_command,
-    figures_command,
-    fingerprint_command,
-    fit_command,
-    identify_command,
-    portrait_command,
-    replay_command,
-    simulate_command,
-    staircase_command,
-    sweep_command,
-)
-from cyclemap.cli.options import one_line, quiet_option, told_warnings
+from cyclemap.cli.commands import cli as cli
+from cyclemap.cli.options import one_line, told_warnings
 from cyclemap.errors import CycleMapError, InvalidInput
 
 # Pictures go to files: no screen that the user's own drawing wants, be it there or not.
@@ -50,35 +28,6 @@ _ALLOCATIONS = 10_000
 # By this variable a shell asks which words may follow, or for the script that makes it ask.
 _COMPLETE = "_CYCLEMAP_COMPLETE"
 DONE, FAILED, BAD_USE, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
-
-
-class _Commands(click.Group):
-    """The commands, each listed with its whole first sentence."""
-
-    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands into the help."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()])
-
-
-_SHOWN = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}
-
-
-@click.group(cls=_Commands, context_settings=_SHOWN)
-@click.version_option(package_name="cyclemap")
-def cli() -> None:
-    """What a robot that pushes an object and drags it back will record, predicted from friction."""
-
-
-for _command in (
-    *(init_command, check_command, audit_command, probe_command),
-    *(cycle_command, portrait_command, staircase_command, fingerprint_command),
-    *(explore_command, dynamics_command, experiment_command, figures_command),
-    *(simulate_command, fit_command, identify_command, compare_command, replay_command, watch_command),
-    *(reset_command, report_command, sweep_command, doctor_command),
-):
-    _command.params.append(quiet_option())
-    cli.add_command(_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

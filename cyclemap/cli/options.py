@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _QUIET = "cyclemap.quiet"
 PATH: Any = click.Path(path_type=Path)
-JSON_HELP = "Write JSON there; '-' prints JSON and nothing else."
+Command = Callable[..., None]
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,12 @@ class LoopOptions:
     settings: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class RunRequest:
-    """What is asked of a command that predicts a run: what was measured, its length, and where results go."""
-
-    data: Theta0Pairs | None
-    cycles: int | None
-    seed: int
-    out: Path
-    picture_format: str
-
-
+json_option = click.option(
+    "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
+)
+set_option = click.option(
+    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable."
+)
 select_option = click.option(
     "--select",
     metavar="KEY=VALUE",
@@ -54,44 +49,50 @@ select_option = click.option(
 )
 
 
-def _gathering(needs_material: bool) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    def decorate(command: Callable[..., None]) -> Callable[..., None]:
-        @wraps(command)
-        def gathered(
-            material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...],
-            **others: Any,
-        ) -> None:  # fmt: skip
-            one = (material is None) != (material_file is None)
-            if not one and (needs_material or material is not None):
-                raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
-            command(LoopOptions(material or material_file, protocol, settings), **others)
-
-        file = "A material file, in place of MATERIAL."
-        tables = "The --set keys in TOML tables, and a [strategy]."
-        fact = "One fact of the experiment; repeatable."
-        decorators: list[Callable[[Any], Any]] = [
-            click.argument("material", required=False),
-            click.option("--material", "material_file", metavar="TOML", help=file),
-            click.option("--protocol", metavar="TOML", type=PATH, help=tables),
-            click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=fact),
-        ]
-        return decorated(gathered, decorators)
-
-    return decorate
+def decorated(command: Command, *decorators: Callable[[Any], Any]) -> Command:
+    """Give `command` arguments and options, in this order."""
+    for decorate in reversed(decorators):
+        command = decorate(command)
+    return command
 
 
-# Give a command the MATERIAL argument and the options of a loop, which reach it as one `LoopOptions`; the second where
-# the material may be left out.
-loop_options, protocol_options = _gathering(needs_material=True), _gathering(needs_material=False)
+def loop_options(command: Command, needs_material: bool = True) -> Command:
+    """Give `command` MATERIAL and the options of a loop, which reach it as `options`, a `LoopOptions`."""
+
+    @wraps(command)
+    def gathered(
+        material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...], **others: Any
+    ) -> None:
+        one = (material is None) != (material_file is None)
+        if not one and (needs_material or material is not None):
+            raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
+        command(options=LoopOptions(material or material_file, protocol, settings), **others)
+
+    file, tables = "A material file, in place of MATERIAL.", "The --set keys in TOML tables, and a [strategy]."
+    return decorated(
+        gathered,
+        click.argument("material", required=False),
+        click.option("--material", "material_file", metavar="TOML", help=file),
+        click.option("--protocol", metavar="TOML", type=PATH, help=tables),
+        set_option,
+    )
+
+
+def protocol_options(command: Command) -> Command:
+    """The same where the material may be left out."""
+    return loop_options(command, needs_material=False)
+
+
 # Start angles, every 30 degrees by default.
 theta0_option = click.option(
     "--theta0-deg", metavar="LIST", default=",".join(map(str, range(0, 360, 30))), help="Start angles, by commas."
 )
 
 
-def run_options(command: Callable[..., None]) -> Callable[..., None]:
+def run_options(command: Command) -> Command:
     """Give `command` the options of a command that predicts a run of cycles."""
-    decorators: list[Callable[[Any], Any]] = [
+    return decorated(
+        command,
         click.option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to set beside it."),
         table_options,
         click.option(
@@ -99,21 +100,17 @@ def run_options(command: Callable[..., None]) -> Callable[..., None]:
         ),
         click.option("--seed", type=Whole(min=0), default=0, help="Seed of its noise."),
         result_options("COMMAND_MATERIAL.png and .json"),
-    ]
-    return decorated(command, decorators)
+    )
 
 
-def result_options(files: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def result_options(files: str) -> Callable[[Command], Command]:
     """Give a command the options of where results go, and as what; `files` names them in the help."""
-    folder: dict[str, Any] = {"metavar": "DIR", "type": PATH, "default": "out"}
-    formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png"}
+    formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
         command,
-        [
-            click.option("--out", help=f"Where {files} go.", **folder),
-            click.option("--format", "picture_format", help="Format of the picture.", **formats),
-            click.option("--json", "json_target", metavar="FILE", help=JSON_HELP),
-        ],
+        click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
+        click.option("--format", "picture_format", type=formats, default="png", help="Format of the picture."),
+        json_option,
     )
 
 
@@ -131,13 +128,6 @@ def is_quiet() -> bool:
     """Whether the command that runs was given --quiet."""
     context = click.get_current_context(silent=True)
     return context is not None and bool(context.meta.get(_QUIET))
-
-
-def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
-    """Give `command` the options, in this order."""
-    for decorate in reversed(decorators):
-        command = decorate(command)
-    return command
 
 
 # Longer runs fill memory before they tell more.
@@ -170,14 +160,14 @@ def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> A
         kind.fail(str(error), param, ctx)
 
 
-def table_options(command: Callable[..., None]) -> Callable[..., None]:
+def table_options(command: Command) -> Command:
     """Give `command` the options that tell what the columns of a table are: they reach it as columns and units."""
     named = "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC for a bag."
-    decorators: list[Callable[[Any], Any]] = [
+    return decorated(
+        command,
         click.option("--columns", metavar="NAME=COLUMN,...", help=named),
         click.option("--units", metavar="UNITS", help="Of angles, lengths, times: deg, mm, ms, ... by commas."),
-    ]
-    return decorated(command, decorators)
+    )
 
 
 def told_columns(columns: str | None, units: str | None) -> tuple[dict[str, str], list[str]]:

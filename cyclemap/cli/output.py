@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -65,11 +65,15 @@ def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_
     return None if publish_json(report, json_target) else picture
 
 
-def people_table(title: str, columns: Iterable[str], words: int = 0) -> Table:
-    """An empty table with numbers at the right of their columns; the first so many columns hold words."""
-    table = Table(title=title, title_justify="left")
+def people_table(
+    title: str, columns: Iterable[str], rows: Iterable[Iterable[str]] = (), words: Container[int] = ()
+) -> Table:
+    """A table whose columns hold numbers, at the right, but for those that hold words."""
+    table = Table(title=title, title_justify="left", caption_justify="left")
     for place, column in enumerate(columns):
-        table.add_column(column, justify="left" if place < words else "right")
+        table.add_column(column, justify="left" if place in words else "right")
+    for row in rows:
+        table.add_row(*row)
     return table
 
 

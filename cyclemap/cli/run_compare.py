@@ -3,17 +3,15 @@
 import math
 from pathlib import Path
 
-from rich.table import Table
-
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
-from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.options import LoopOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import compare
-from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.comparison.verdicts import Comparison
 from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
@@ -24,13 +22,11 @@ SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
 def run_compare(
-    options: LoopOptions, data: Path, read: Path, first: int, select: tuple[str, ...], runs: int, seed: int,
-    out: Path, picture_format: str, json_target: str | None,
+    options: LoopOptions, data: Path, columns: str | None, units: str | None, first: int, select: tuple[str, ...],
+    runs: int, seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
-    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON.
-
-    read : the data, or what was made of a table of the user's own.
-    """
+    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
+    read = readable_data(data, columns, units, out)
     loop, sigma = chosen_loop(options, data)
     name = loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
@@ -56,28 +52,23 @@ def run_compare(
     told = (data_sentence(found), *verdicts, *trust_sentences(found))
     console.tell(headline(name, found), *told)
     for whose, quantities in found.told_pushes:
-        table = people_table(f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS)
-        for one in quantities:
-            scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
-            lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
-            values = [f"{scale * value:.2f}" for value in lengths]
-            # Of a mean that is nothing beside the spread a percentage says nothing.
-            shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
-            table.add_row(SYMBOLS[one.name], *values, *shares)
-        console.print_table(table)
+        title = f"{quantities[0].count} pushes{whose}"
+        console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
     if found.orientations is not None:
-        console.print_table(_test_table(found))
+        table = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
+        for name, test in found.orientations.tests.items():
+            value = f"{math.degrees(test.statistic):.2f}°" if name == "wasserstein" else f"{test.statistic:.3f}"
+            table.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
+        console.print_table(table)
     console.print(f"picture: {picture}")
 
 
-def _test_table(found: Comparison) -> Table:
-    assert found.orientations is not None
-    title = "Histogram of directions, measured against predicted"
-    table = people_table(title, ("test", "statistic", "p-value"))
-    for name, one in found.orientations.tests.items():
-        value = f"{math.degrees(one.statistic):.2f}°" if name == "wasserstein" else f"{one.statistic:.3f}"
-        table.add_row(name.replace("_", " "), value, f"{one.value:.3f} ± {one.standard_error:.3f}")
-    return table
+def _push_cells(one: QuantityAgreement) -> list[str]:
+    """The row of a quantity; of a mean that is nothing beside the spread a percentage says nothing."""
+    scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
+    lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
+    shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
+    return [SYMBOLS[one.name], *(f"{scale * value:.2f}" for value in lengths), *shares]
 
 
 _DEGREE, _METRE = math.degrees(1.0), 1000.0
@@ -85,6 +76,11 @@ _DEGREE, _METRE = math.degrees(1.0), 1000.0
 
 def compare_report(material: str, found: Comparison) -> Json:
     """The report of a comparison; what could not be asked is null or an empty list."""
+    ends_off: Json | None = None
+    if found.pushes:
+        (place, turn), (isotropic_place, isotropic_turn) = mean_distances(found.pushes)
+        ends_off = {"mean_mm": number(_METRE * place), "isotropic_mean_mm": number(_METRE * isotropic_place)}
+        ends_off |= {"mean_deg": degrees(turn), "isotropic_mean_deg": degrees(isotropic_turn)}
     return {
         "prediction": {
             "material": material,
@@ -99,7 +95,7 @@ def compare_report(material: str, found: Comparison) -> Json:
             "unreadable_files": found.data.unreadable,
         },
         "pushes": [_pushes(one) for one in found.pushes],
-        "ends_off": None if not found.pushes else _ends_off(*mean_distances(found.pushes)),
+        "ends_off": ends_off,
         "cycle": None if found.cycle is None else _cycle(found.cycle),
         "orientations": None if found.orientations is None else _orientations(found.orientations),
         "directions": None if found.directions is None else _directions(found.directions),
@@ -107,12 +103,6 @@ def compare_report(material: str, found: Comparison) -> Json:
         "verdicts": [{"question": one.question, "agrees": one.agrees, "words": one.words} for one in found.verdicts],
         "uncertified": list(found.uncertified),
     }
-
-
-def _ends_off(found: Distances, isotropic: Distances) -> Json:
-    named = {"mean": found, "isotropic_mean": isotropic}
-    places = {f"{name}_mm": number(_METRE * place) for name, (place, _) in named.items()}
-    return {**places, **{f"{name}_deg": number(_DEGREE * turn) for name, (_, turn) in named.items()}}
 
 
 def _pushes(found: PushAgreement) -> Json:

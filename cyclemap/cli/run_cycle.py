@@ -1,22 +1,17 @@
 """`cyclemap cycle`: single cycles, as a table or as JSON."""
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 
-from rich.table import Table
-
-from cyclemap.cli.json_report import Json, cycle_report, degrees
+from cyclemap.cli.json_report import Json, actions_report, degrees, number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, publish_json, write_json
 from cyclemap.cli.settings import chosen_collection
-from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
 
-TITLE = "One push and drag back on"
 COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
-
 # Up to so many degrees an orientation is known to a thousandth of a degree.
 LARGEST_DEG = 1e12
 
@@ -25,22 +20,32 @@ def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_targ
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
     starts, chosen = parse_angles(theta0_deg), chosen_collection(options)
     loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
-    acts: list[tuple[CollectionLoop, float, Json, str]] = [(loop, 0.0, {}, f"{TITLE} {name}")]
+    acts: list[tuple[CollectionLoop, float, Json, str]] = [(loop, 0.0, {}, f"One push and drag back on {name}")]
     if strategy is not None:
-        from cyclemap.cli.json_report import actions_report
-
         parts = zip(strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True)
         acts = [
             (acted, action.turn, {"action": told}, f"{told['name']}: {told['weight']:.3g} of the cycles on {name}")
             for action, acted, told in parts
         ]
-    cycles: list[Json] = []
-    tables = []
+    cycles, tables = list[Json](), []
     for acted, turn, more, title in acts:
-        runs = [acted.cycle(math.radians(start)) for start in starts]
-        for start, run in zip(starts, runs, strict=True):
-            cycles.append({**cycle_report(start, run), "theta1_deg": degrees(run.theta_next + turn), **more})
-        tables.append(cycle_table(title, runs, turn))
+        table = people_table(title, COLUMNS)
+        for start in starts:
+            cycle = acted.cycle(math.radians(start))
+            dx, dy = cycle.push_displacement
+            found = {
+                "theta0_deg": start,
+                "push_turn_deg": degrees(cycle.push_turn),
+                "push_dx_mm": number(1000 * dx),
+                "push_dy_mm": number(1000 * dy),
+                "drag_turn_deg": degrees(cycle.drag_turn),
+                "drag_mm": number(1000 * cycle.drag_length),
+                # What a gripper turns comes after the drag.
+                "theta1_deg": degrees(cycle.theta_next + turn),
+            }
+            table.add_row(*(f"{value:.3f}" for value in found.values()))
+            cycles.append({**found, **more})
+        tables.append(table)
     report: Json = {"cycles": cycles}
     if out is not None:
         write_json(out / f"cycles_{file_stem(name)}.json", report)
@@ -67,15 +72,3 @@ def parse_angles(text: str) -> list[float]:
             raise InvalidInput(f"--theta0-deg has {part!r}, whose part of a turn is lost to rounding; wrap it first")
         angles.append(value)
     return angles
-
-
-def cycle_table(title: str, cycles: Sequence[Cycle], gripper_turn: float = 0.0) -> Table:
-    """The cycles as a table; `gripper_turn` (rad) is added to where they end."""
-    table = people_table(title, COLUMNS)
-    for cycle in cycles:
-        dx, dy = (1000 * component for component in cycle.push_displacement)
-        start, turn, drag = map(math.degrees, (cycle.theta, cycle.push_turn, cycle.drag_turn))
-        end = math.degrees(cycle.theta_next + gripper_turn)
-        row = (start, turn, dx, dy, drag, 1000 * cycle.drag_length, end)
-        table.add_row(*(f"{value:.3f}" for value in row))
-    return table

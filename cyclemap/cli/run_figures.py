@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
-
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish_json, write_json
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
@@ -46,13 +44,18 @@ def list_figures(json_target: str | None) -> None:
     console.print("make them with: cyclemap figures NAME ... (or all)")
 
 
-def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, target: str | None) -> None:
-    """Make every exhibit named; what fails is told and loses none of the others.
+def run_figures(
+    names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, json_target: str | None
+) -> None:
+    """Make every exhibit named, or list them where none is; what fails is told and loses none of the others.
 
     Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read, before any work;
     CycleMapError at the end where something failed.
     """
-    chosen, folder = entries(names), MeasuredFolder.found(data)
+    if not names:
+        list_figures(json_target)
+        return
+    chosen, folder, known = entries(names), MeasuredFolder.found(data), [entry.name for entry in entries()]
     with only_writer(out):
         index = _read_index(out / INDEX_FILE)
         console, made, failed = PeopleConsole(), list[Json](), list[Json]()
@@ -65,23 +68,19 @@ def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_fo
                 continue
             made.append(line)
             index[entry.name] = line
-            write_json(out / INDEX_FILE, _in_order(index))
-            if target != "-":
+            # In the gallery's order; names that are no longer there come last.
+            kept = sorted(index, key=lambda name: known.index(name) if name in known else len(known))
+            write_json(out / INDEX_FILE, {"figures": [index[name] for name in kept]})
+            if json_target != "-":
                 # One exhibit for people: title, rows of a table, caption, file, and whether measured data were there.
                 console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
                 if header:
-                    table = Table()
-                    for name in header:
-                        table.add_column(name, no_wrap=True)
-                    for row in rows:
-                        table.add_row(*row)
-                    console.print_table(table)
+                    console.print_table(people_table("", header, rows, words=range(len(header))))
                 console.print(str(line["caption"]))
                 if asked:
                     console.print(f"measured data: {line['measured'] or NO_DATA}")
                 console.print(f"file: {out / str(line['file'])}\n")
-        report: Json = {"figures": [*made], "failed": [*failed]}
-        publish_json(report, target)
+        publish_json({"figures": made, "failed": failed}, json_target)
         if failed:
             told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
             raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
@@ -93,8 +92,7 @@ def _make(
     """Make and write one exhibit: its line of the index, whether it asked for measured data, header and rows."""
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
-    rows: tuple[tuple[str, ...], ...] = ()
-    header: tuple[str, ...] = ()
+    header, rows = tuple[str, ...](), tuple[tuple[str, ...], ...]()
     if hasattr(exhibit, "draw"):
         from cyclemap.views.style import render
 
@@ -122,10 +120,3 @@ def _read_index(path: Path) -> dict[str, Any]:
         return {line["name"]: {key: line[key] for key in _KEYS} for line in lines}
     except (DataFileError, KeyError, TypeError) as error:
         raise DataFileError(f"{path}: not an index of figures; remove it or choose another --out") from error
-
-
-def _in_order(index: dict[str, Any]) -> Json:
-    """The index in the gallery's order; names that are no longer there come last."""
-    known = [entry.name for entry in entries()]
-    names = sorted(index, key=lambda name: known.index(name) if name in known else len(known))
-    return {"figures": [index[name] for name in names]}

@@ -38,10 +38,9 @@ def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format
     picture = publish(told, page, out / f"fingerprint_{file_stem(name)}", picture_format, json_target)
     if picture is None:
         return
-    console, table = PeopleConsole(), people_table("Fingerprint of the protocol", COLUMNS, words=1)
-    for part, response in (("push", found.push), ("drag", found.drag), ("cycle", found.cycle)):
-        table.add_row(part, *fingerprint_page.five_numbers(response))
-    console.print_table(table)
+    console = PeopleConsole()
+    rows = ((part, *fingerprint_page.five_numbers(getattr(found, part))) for part in ("push", "drag", "cycle"))
+    console.print_table(people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)))
     lines = [fingerprint_page.protocol_sentence(found)]
     if prediction is not None:
         console.print(lines.pop())

@@ -10,7 +10,8 @@ import numpy as np
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish, publish_json
+from cyclemap.cli.options import readable_data
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
@@ -31,6 +32,8 @@ SELECT_KEYS = {
     "fraction": ("fraction", 1.0),
     "angle_deg": ("angle", math.radians(1.0)),
 }
+# Quantities: their heading, and their unit in the report with the factor to it.
+QUANTITIES = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 UNITS = {"dtheta": ("deg", math.degrees(1.0)), "dx": ("mm", 1000.0), "dy": ("mm", 1000.0)}
 # Facts of a set by their names in the report, and the factor to its units.
 FACTS = {
@@ -40,7 +43,6 @@ FACTS = {
     "fraction": ("fraction", 1.0),
     "angle": ("angle_deg", math.degrees(1.0)),
 }
-QUANTITIES = (("dtheta", "Δθ (°)", math.degrees(1.0)), ("dx", "Δx (mm)", 1000.0), ("dy", "Δy (mm)", 1000.0))
 # Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the law.
 STATISTICS = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
 LAWS = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
@@ -51,11 +53,11 @@ NOTE_LETTERS = 60
 
 
 def run_fit(
-    data: Path, select: tuple[str, ...], harmonics: int | None, wear: bool, seed: int, out: Path, picture_format: str,
-    json_target: str | None,
+    data: Path, columns: str | None, units: str | None, select: tuple[str, ...], harmonics: int | None, wear: bool,
+    seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
-    chosen = selected_values(select)
+    data, chosen = readable_data(data, columns, units, out), selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(data, progress=report)
     if not len(pushes.table) and pushes.unreadable:
@@ -275,18 +277,17 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
 
 
-def _table(title: str, rows: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str) -> Table:
-    table, notes = Table(title=title, title_justify="left"), any(row.problem for row in rows)
-    table.add_column("set", no_wrap=True)
-    table.add_column("pushes", justify="right")
-    for _, label, _ in QUANTITIES:
-        for place, column in enumerate(columns):
-            table.add_column(f"{label}\n{column}" if place == 0 else f"\n{column}", justify="right", no_wrap=True)
+def _table(title: str, parts: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str) -> Table:
+    notes, rows = any(part.problem for part in parts), []
+    for part in parts:
+        told = chain.from_iterable(fields(getattr(part, name), scale) for name, (_, scale) in UNITS.items())
+        rows.append((part.name, str(part.count), *told, *([part.problem or ""] if notes else [])))
+    named = [
+        f"{label if column == columns[0] else ''}\n{column}" for label in QUANTITIES.values() for column in columns
+    ]
+    table = people_table(title, ("set", "pushes", *named, *["note"] * notes), rows, words=(0, 2 + len(named)))
     if notes:
-        table.add_column("note", max_width=NOTE_LETTERS)
-    for row in rows:
-        told = chain.from_iterable(fields(getattr(row, name), unit) for name, _, unit in QUANTITIES)
-        table.add_row(row.name, str(row.count), *told, *([row.problem or ""] if notes else []))
+        table.columns[-1].max_width = NOTE_LETTERS
     return table
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
+from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.collection_file import collection_text, loop_tables
@@ -19,7 +19,7 @@ from cyclemap.collection.settings import with_material
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
-from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
+from cyclemap.evidence.identification.identify import Estimate, Identification, identify
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
@@ -38,17 +38,23 @@ from cyclemap.views.style import render
 
 # How units are named in the report.
 _NAMES = {"°": "deg", " mm": "mm", "": "1"}
+_SIZES = (
+    *("mean", "median", "rms", "left_out_mean", "left_out_median", "left_out_rms"),
+    *("isotropic_mean", "isotropic_median"),
+)
 NOTHING = "–"
 
 
 def run_identify(
-    data: Sequence[Path], select: tuple[str, ...], protocol: Path | None, settings: tuple[str, ...], start: str | None,
-    free: str | None, fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None,
-    folds: int | None, student: float, starts: int, seed: int, out: Path, picture_format: str, json_target: str | None,
+    data: Sequence[Path], columns: str | None, units: str | None, select: tuple[str, ...], protocol: Path | None,
+    settings: tuple[str, ...], start: str | None, free: str | None, fix: tuple[str, ...], first: int, most: int,
+    wear: bool, no_priors: bool, name: str | None, folds: int | None, student: float, starts: int, seed: int, out: Path,
+    picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
+    data = [readable_data(path, columns, units, out) for path in data]
     surface, fixed = None if start is None else load_material(start), fixed_values(fix)
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
@@ -150,7 +156,12 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
             for one in derived
             for unit, factor in [readable_unit(one.unit)]
         ],
-        "errors": [_errors(one) for one in found.errors],
+        "errors": [
+            {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows}
+            | {name: number(factor * getattr(one, name)) for name in _SIZES}
+            for one in found.errors
+            for kind, unit, factor in [readable_kind(one.kind)]
+        ],
         "starts": {"count": found.starts.count, "arrived": found.starts.arrived, "failed": len(found.starts.failures)},
         "notes": list(found.notes),
         "data": list(data),
@@ -177,24 +188,17 @@ def _parameter(one: Estimate) -> Json:
     }
 
 
-def _errors(one: KindErrors) -> Json:
-    kind, unit, factor = readable_kind(one.kind)
-    sizes = "mean median rms left_out_mean left_out_median left_out_rms isotropic_mean isotropic_median"
-    told = {name: number(factor * getattr(one, name)) for name in sizes.split()}
-    return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
-
-
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
-    interval = (f"{100.0 * found.level:g} % interval", "right")
-    table = _table("Parameters", ("name", "left"), ("value", "right"), interval, ("what it is", "left"))
+    rows: list[tuple[str, ...]] = []
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
         ends = _digits(factor * one.lower) + "*" * one.lower_open, _digits(factor * one.upper) + "*" * one.upper_open
         told = " to ".join(ends) if one.identifiable else "not identifiable"
-        table.add_row(one.name, f"{_digits(factor * one.value)}{unit}", told, one.description)
-    for name, held in sorted(found.problem.fixed.items()):
-        table.add_row(name, _digits(held), "held", "")
+        rows.append((one.name, f"{_digits(factor * one.value)}{unit}", told, one.description))
+    rows += [(name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())]
+    columns = ("name", "value", f"{100.0 * found.level:g} % interval", "what it is")
+    table = people_table("Parameters", columns, rows, words=(0, 3))
     if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
         table.caption = "* a bound of the parameter, not excluded by the data"
     return table
@@ -202,33 +206,26 @@ def parameter_table(found: Identification) -> Table:
 
 def derived_table(derived: Sequence[Derived]) -> Table:
     """What follows from the parameters."""
-    table = _table("It follows", ("name", "left"), ("value", "right"), ("interval", "right"), ("what it is", "left"))
+    rows = []
     for one in derived:
         unit, factor = readable_unit(one.unit)
         value = f"{_digits(factor * one.value)}{unit}"
         interval = f"{_digits(factor * one.lower)} to {_digits(factor * one.upper)}" if one.known else "any"
-        table.add_row(one.name.replace("_", " "), value, interval, one.description)
-    return table
+        rows.append((one.name.replace("_", " "), value, interval, one.description))
+    return people_table("It follows", ("name", "value", "interval", "what it is"), rows, words=(0, 3))
 
 
 def error_table(found: Identification) -> Table:
     """How far predictions lie from the data: in the sample, left out, and those of isotropic friction."""
-    columns = [("data", "left"), ("error", "left"), ("values", "right"), ("mean", "right"), ("median", "right")]
-    columns += [("mean, left out", "right"), ("median", "right"), ("mean, isotropic", "right"), ("median", "right")]
-    table = _table("Errors, predicted less measured", *columns)
+    columns = ("data", "error", "values", "mean", "median", "mean, left out", "median", "mean, isotropic", "median")
+    rows = []
     for one in found.errors:
         kind, unit, factor = readable_kind(one.kind)
-        sizes = (one.mean, one.median, one.left_out_mean, one.left_out_median, one.isotropic_mean, one.isotropic_median)
+        sizes = [getattr(one, name) for name in _SIZES if not name.endswith("rms")]
         told = [f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes]
-        table.add_row(one.block, kind, str(one.rows), *told)
+        rows.append((one.block, kind, str(one.rows), *told))
+    table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
     table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
-    return table
-
-
-def _table(title: str, *columns: tuple[str, str]) -> Table:
-    table = Table(title=title, title_justify="left", caption_justify="left")
-    for heading, side in columns:
-        table.add_column(heading, justify=side, no_wrap=side == "right")  # type: ignore[arg-type]
     return table
 
 

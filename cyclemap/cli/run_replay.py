@@ -55,11 +55,12 @@ def run_replay(
         return
     console = PeopleConsole()
     console.print(replay_headline(replayed), style="bold")
-    table = people_table("Error at the end, by object (means)", COLUMNS, words=2)
+    table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
-        errors = [f"{1e3 * row[name]:.2f}" for name in ("mean_error", "median_error", "isotropic_mean_error")]
-        names = ("mean_turn_error", "median_turn_error", "isotropic_mean_turn_error")
-        turns = [f"{math.degrees(row[name]):.2f}" for name in names]
+        errors, turns = (
+            [f"{scale * row[name]:.2f}" for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")]
+            for of, scale in (("error", 1e3), ("turn_error", math.degrees(1.0)))
+        )
         motion = f"{1e3 * row['mean_motion']:.1f}", f"{100 * row['relative_error']:.0f} %"
         turn = f"{math.degrees(row['mean_turn']):.1f}", f"{100 * row['relative_turn_error']:.0f} %"
         table.add_row(str(row["surface"]), str(row["object"]), str(row["count"]), *errors, *motion, *turns, *turn)
@@ -107,15 +108,10 @@ def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: floa
 
 
 def _rows(table: "pandas.DataFrame") -> list[Json]:
-    return [dict(_entry(str(name), value) for name, value in row.items()) for row in table.to_dict("records")]
-
-
-def _entry(name: str, value: Any) -> tuple[str, object]:
-    if name in _MILLIMETRES:
-        return _MILLIMETRES[name], _plain(1e3 * value)
-    if name in _DEGREES:
-        return _DEGREES[name], _plain(math.degrees(value))
-    return name, _plain(value)
+    scales = dict.fromkeys(_MILLIMETRES, 1e3) | dict.fromkeys(_DEGREES, math.degrees(1.0))
+    scaled = table.assign(**{name: scale * table[name] for name, scale in scales.items() if name in table})
+    rows = scaled.rename(columns=_MILLIMETRES | _DEGREES).to_dict("records")
+    return [{str(name): _plain(value) for name, value in row.items()} for row in rows]
 
 
 def _plain(value: Any) -> object:

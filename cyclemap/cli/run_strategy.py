@@ -1,19 +1,16 @@
 """`cyclemap portrait` and `staircase` with a strategy whose cycles differ."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.cli.json_report import Json, actions_report, degrees, direction_deg, measured_report, number, steps_report
-from cyclemap.cli.options import RunRequest
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.settings import ChosenCollection
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_CYCLES
+from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
@@ -25,15 +22,16 @@ _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the di
 
 
 def run_strategy_portrait(
-    loop: CollectionLoop, strategy: ResetStrategy, sigma: float, request: RunRequest, pairs: Theta0Pairs | None,
-    json_target: str | None,
+    chosen: ChosenCollection, strategy: ResetStrategy, pairs: Theta0Pairs | None, cycles: int | None, seed: int,
+    out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
+    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     with progress_bar(f"cycle maps of {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
     turns, measured = map_turns(maps), None if pairs is None else pairs.path
     law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
-    theta, ran = _run(loop, strategy, sigma, request, measured)
+    theta, ran = _run(loop, strategy, sigma, measured, cycles, seed)
     mean_turn, above = float((theta[-1] - theta[0]) / (len(theta) - 1)), law.density > 0.5 / math.pi
     peaks = np.flatnonzero((law.density > np.roll(law.density, 1)) & (law.density >= np.roll(law.density, -1)) & above)
     told: Json = {
@@ -65,16 +63,19 @@ def run_strategy_portrait(
         f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    _finish("portrait", loop, request, told, words, figure, json_target)
+    picture = publish(told, figure, out / f"portrait_{file_stem(loop.material.name)}", picture_format, json_target)
+    if picture is not None:
+        PeopleConsole().tell(*words, f"picture: {picture}")
 
 
 def run_strategy_staircase(
-    loop: CollectionLoop, strategy: ResetStrategy, sigma: float, request: RunRequest,
-    measured: MeasuredStaircase | None, json_target: str | None,
+    chosen: ChosenCollection, strategy: ResetStrategy, measured: MeasuredStaircase | None, cycles: int | None,
+    seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people or as JSON."""
+    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     data = None if measured is None else measured.path
-    theta, ran = _run(loop, strategy, sigma, request, data)
+    theta, ran = _run(loop, strategy, sigma, data, cycles, seed)
     steps = find_steps(theta)
     nothing = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
     told: Json = {
@@ -87,29 +88,22 @@ def run_strategy_staircase(
     words = (
         f"Staircase of {loop.material.name}",
         f"{recipe(strategy)}.".capitalize(),
-        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {request.seed}) it {rests}; "
+        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {seed}) it {rests}; "
         f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on average.",
     )
-    _finish("staircase", loop, request, told, words, strategy_page(words, loop, strategy, theta, data), json_target)
+    page, stem = strategy_page(words, loop, strategy, theta, data), out / f"staircase_{file_stem(loop.material.name)}"
+    picture = publish(told, page, stem, picture_format, json_target)
+    if picture is not None:
+        PeopleConsole().tell(*words, f"picture: {picture}")
 
 
 def _run(
-    loop: CollectionLoop, strategy: ResetStrategy, sigma: float, request: RunRequest, data: Array | None
+    loop: CollectionLoop, strategy: ResetStrategy, sigma: float, data: Array | None, cycles: int | None, seed: int
 ) -> tuple[Array, Json]:
     """A run of the strategy by the full mechanics, from where the data start and as long where there are some."""
-    cycles = request.cycles or (DEFAULT_CYCLES if data is None else len(data) - 1)
+    cycles = cycles or (DEFAULT_CYCLES if data is None else len(data) - 1)
     start = 0.0 if data is None else float(data[0])
     with progress_bar(f"{cycles} cycles on {loop.material.name}") as report:
-        run = run_strategy(loop, strategy, cycles, start=start, sigma=sigma, seed=request.seed, progress=report)
+        run = run_strategy(loop, strategy, cycles, start=start, sigma=sigma, seed=seed, progress=report)
     theta = run.theta[0]
-    return theta, {"seed": request.seed, "cycles": cycles, "climb_deg": degrees(float(theta[-1] - theta[0]))}
-
-
-def _finish(
-    what: str, loop: CollectionLoop, request: RunRequest, told: Json, words: Sequence[str], figure: Figure,
-    json_target: str | None,
-) -> None:  # fmt: skip
-    stem = request.out / f"{what}_{file_stem(loop.material.name)}"
-    picture = publish(told, figure, stem, request.picture_format, json_target)
-    if picture is not None:
-        PeopleConsole().tell(*words, f"picture: {picture}")
+    return theta, {"seed": seed, "cycles": cycles, "climb_deg": degrees(float(theta[-1] - theta[0]))}

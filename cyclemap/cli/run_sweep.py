@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from cyclemap import sweeps
 from cyclemap.cli.json_report import Json, number, numbers
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
@@ -16,7 +17,6 @@ from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
 from cyclemap.sweeps.sweep_curves import sweep_curves
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
@@ -30,7 +30,7 @@ _MOST_DRAWN_KEYS = 2
 _LONGEST_NAME = 60
 
 
-def run_sweep_command(
+def run_sweep(
     options: LoopOptions, export: str, draw: str, status: bool, workers: int | None, out: Path, picture_format: str,
     json_target: str | None, **asked: Any,
 ) -> None:  # fmt: skip
@@ -46,7 +46,7 @@ def run_sweep_command(
     stem = out / f"sweep_{file_stem(name)}"
     store = stem.with_name(f"{stem.name}.sqlite")
     if status:
-        now = sweep_status(store, plan)
+        now = sweeps.sweep_status(store, plan)
         told = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
         if not publish_json(_status_report(now, store), json_target):
             stored = f"{now.stored} of {now.points} points stored ({told}), {now.refused} refused"
@@ -55,9 +55,9 @@ def run_sweep_command(
     begun = time.monotonic()
     try:
         with progress_bar(f"sweep of {len(plan)} points") as report:
-            run_sweep(plan, store, workers=workers, progress=lambda now: report(now.stored / now.points))
+            sweeps.run_sweep(plan, store, workers=workers, progress=lambda now: report(now.stored / now.points))
     except KeyboardInterrupt:
-        now = sweep_status(store, plan)
+        now = sweeps.sweep_status(store, plan)
         kept = f"{now.stored} of {now.points} points are stored in {store}"
         click.echo(f"stopped after {time.monotonic() - begun:.0f} s: {kept}; the same command goes on", err=True)
         raise

@@ -6,11 +6,10 @@ import math
 import textwrap
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from cyclemap.resets.monitor.audit import Audit
+from cyclemap.resets.monitor.audit import Audit, ResetEffect
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, QUIET, new_figure, picture_style
 from cyclemap.views.watch_page import directions, draw_path, draw_rose, draw_worth
@@ -45,32 +44,34 @@ def audit_paragraph(found: Audit) -> str:
         where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
     cover = f"The orientations of the object before {pushes} pushes{of} {where}."
     worth = f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly."
-    return " ".join([cover, _lock_in(found), worth, _reset(found), _change(found)])
-
-
-def _lock_in(found: Audit) -> str:
-    alarm = found.report.alarm
+    alarm, start, aim = found.report.alarm, found.locked_from, angle(state.least_covered, 0)
+    locks = start is not None and found.gathered > _LOCKED
     if not found.ordered:
-        return "Their order is not known, so that nothing can be said of when they gathered."
-    if alarm is None or found.locked_from is None:
-        return f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
-    after, start = len(found.theta) - found.locked_from, found.locked_from
-    how = "lock in" if found.gathered > _LOCKED else "linger again and again"
-    where = f"about {directions(alarm.directions)}"
-    return (
-        f"From push {start} on they {how} {where}: {found.gathered:.0%} of the {after} pushes from there on lie within "
-        "10° of it."
-    )
+        gathered = "Their order is not known, so that nothing can be said of when they gathered."
+    elif alarm is None or start is None:
+        gathered = f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
+    else:
+        how = "lock in" if locks else "linger again and again"
+        gathered = (
+            f"From push {start} on they {how} about {directions(alarm.directions)}: {found.gathered:.0%} of the "
+            f"{pushes - start} pushes from there on lie within 10° of it."
+        )
+    change = f"For more data begin at {aim}, the orientation least covered, or with a reset that cyclemap reset finds."
+    if found.is_good:
+        change = f"Nothing needs to change; the orientation least covered is {aim}."
+    elif locks:
+        change = (
+            f"Weigh what follows push {start} less, or leave it out; for more data change the reset (cyclemap reset "
+            f"finds one) and begin at {aim}, the orientation least covered."
+        )
+    return " ".join([cover, gathered, worth, _undone(found.reset), change])
 
 
-def _reset(found: Audit) -> str:
-    reset = found.reset
+def _undone(reset: ResetEffect | None) -> str:
     if reset is None:
         return "What the reset did cannot be said: the data do not have the poses before and after pushes in a row."
-    push, back = (
-        f"{np.degrees(turn.mean()):.1f}° ± {np.degrees(turn.std()):.1f}°"
-        for turn in (reset.push_turn, reset.reset_turn)
-    )
+    turns = (np.degrees(turn) for turn in (reset.push_turn, reset.reset_turn))
+    push, back = (f"{turn.mean():.1f}° ± {turn.std():.1f}°" for turn in turns)
     moved = angle(float((reset.push_turn + reset.reset_turn).mean()))
     return (
         f"A push turned the object by {push}, the reset behind it by {back}: that took {reset.undone:.0%} back, "
@@ -78,44 +79,27 @@ def _reset(found: Audit) -> str:
     )
 
 
-def _change(found: Audit) -> str:
-    aim = angle(found.report.coverage.least_covered, 0)
-    if found.is_good:
-        return f"Nothing needs to change; the orientation least covered is {aim}."
-    if found.locked_from is not None and found.gathered > _LOCKED:
-        return (
-            f"Weigh what follows push {found.locked_from} less, or leave it out; for more data change the reset "
-            f"(cyclemap reset finds one) and begin at {aim}, the orientation least covered."
-        )
-    return f"For more data begin at {aim}, the orientation least covered, or with a reset that cyclemap reset finds."
-
-
+@picture_style()
 def audit_page(found: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its push's."""
-    with picture_style():
-        figure = new_figure(13.333, 7.9)
-        edges = {"left": 0.06, "right": 0.975, "bottom": 0.08, "top": 0.74}
-        grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.5, **edges)
-        draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
-        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
-        draw_worth(figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports])
-        _draw_reset(figure.add_subplot(grid[1, 0]), found)
-        figure.text(0.015, 0.965, audit_headline(found), fontsize=18, fontweight="bold", va="center")
-        told = textwrap.fill(audit_paragraph(found), _LETTERS)
-        figure.text(0.015, 0.935, told, fontsize=10, va="top", linespacing=1.35)
-    return figure
-
-
-def _draw_reset(axes: Axes, found: Audit) -> None:
-    reset = found.reset
+    figure = new_figure(13.333, 7.9)
+    edges = {"left": 0.06, "right": 0.975, "bottom": 0.08, "top": 0.74}
+    grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.5, **edges)
+    draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
+    draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
+    draw_worth(figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports])
+    axes, reset = figure.add_subplot(grid[1, 0]), found.reset
     if reset is None:
         axes.axis("off")
         axes.text(0.5, 0.5, "no poses after pushes: what the reset did is unknown", ha="center", color=QUIET)
-        return
-    push, back = np.degrees(reset.push_turn), np.degrees(reset.reset_turn)
-    axes.plot(push, back, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="measured")
-    ends = np.array([push.min() - 1.0, push.max() + 1.0])
-    axes.plot(ends, -ends, color=INK, linewidth=1.0, linestyle="--", label="undoes the push")
-    axes.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)")
-    axes.set_title("What the reset did")
-    axes.legend(loc="best")
+    else:
+        push, back = np.degrees(reset.push_turn), np.degrees(reset.reset_turn)
+        axes.plot(push, back, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="measured")
+        ends = np.array([push.min() - 1.0, push.max() + 1.0])
+        axes.plot(ends, -ends, color=INK, linewidth=1.0, linestyle="--", label="undoes the push")
+        axes.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)", title="What the reset did")
+        axes.legend(loc="best")
+    figure.text(0.015, 0.965, audit_headline(found), fontsize=18, fontweight="bold", va="center")
+    told = textwrap.fill(audit_paragraph(found), _LETTERS)
+    figure.text(0.015, 0.935, told, fontsize=10, va="top", linespacing=1.35)
+    return figure

@@ -8,8 +8,7 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
-from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.evidence.comparison.verdicts import MOST_SETS, Comparison
 from cyclemap.views import style
 from cyclemap.views.portrait_page import (
@@ -26,49 +25,42 @@ from cyclemap.views.style import PREDICTED, QUIET
 TITLE_PAD = 22.0
 # Fewer medians make no line.
 FEWEST_MEDIANS = 12
-_LABELS = {"dtheta": ("Δθ", "turn of a push (°)"), "dx": ("Δx", "Δx (mm)"), "dy": ("Δy", "Δy (mm)")}
+# Symbol, label and the factor to its unit.
+_LABELS = {
+    "dtheta": ("Δθ", "turn of a push (°)", float(np.degrees(1.0))),
+    "dx": ("Δx", "Δx (mm)", 1000.0),
+    "dy": ("Δy", "Δy (mm)", 1000.0),
+}
 # A lag correlation beyond this makes p-values of independent noise too small.
 CORRELATED = 0.2
 ISOTROPIC = "isotropic friction under even pressure"
 
 
+@style.picture_style()
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
-    with style.picture_style():
-        figure = style.new_figure()
-        rows = bool(found.pushes) + (found.cycle is not None)
-        grid = GridSpec(
-            max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
-        )  # fmt: skip
-        if found.cycle is not None:
-            turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
-            assert found.cycle is not None and found.data.pairs is not None
-            draw_turn(turn, curve, ())
-            draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-            turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
-            style.legend_above(turn)
-            _draw_histograms(histogram, found.orientations)
-            staircase.set_title("Staircase", pad=TITLE_PAD)
-            if found.data.pairs.path is None or found.staircase is None:
-                style.say(staircase, "order of the pushes unknown")
-            else:
-                draw_staircase(staircase, found.staircase.run, found.data.pairs.path)
-                staircase.set_xlabel("cycle of the compared path")
-                style.legend_above(staircase)
-        if found.pushes:
-            panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
-            draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
-            draw(panels, found)
-        drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
-        sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
-        told = (data_sentence(found), summary_sentence(found))
-        kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
-        noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
-        foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}"
-        style.write_page(figure, headline(name, found), told, foot)
+    figure = style.new_figure()
+    rows = bool(found.pushes) + (found.cycle is not None)
+    grid = GridSpec(
+        max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
+    )  # fmt: skip
+    if found.cycle is not None:
+        _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
+    if found.pushes:
+        panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
+        draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
+        draw(panels, found)
+    drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
+    sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
+    told = (data_sentence(found), summary_sentence(found))
+    kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
+    noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
+    foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}"
+    style.write_page(figure, headline(name, found), told, foot)
     return figure
 
 
+@style.picture_style()
 def residual_page(found: Comparison) -> Figure | None:
     """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None without either."""
     left = [] if found.cycle is None or found.data.pairs is None else [
@@ -77,42 +69,55 @@ def residual_page(found: Comparison) -> Figure | None:
     if found.pushes:
         theta = np.concatenate([one.theta for one in found.pushes])
         off = np.concatenate([one.measured - one.predicted for one in found.pushes])
-        for column, (name, (_, label)) in enumerate(_LABELS.items()):
-            left.append((label, theta, (np.degrees(1.0) if name == "dtheta" else 1000.0) * off[:, column]))
+        left += [(label, theta, scale * off[:, column]) for column, (_, label, scale) in enumerate(_LABELS.values())]
     if not left:
         return None
-    with style.picture_style():
-        columns = min(len(left), 2)
-        rows = -(-len(left) // columns)
-        figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
-        grid = GridSpec(
-            rows, columns, figure,
-            left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
-        )  # fmt: skip
-        for number, (label, theta, off) in enumerate(left):
-            axes = figure.add_subplot(grid[number // columns, number % columns])
-            axes.axhline(0.0, color=QUIET, linewidth=0.9)
-            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, marker="o", **style.DOTS)
-            bins = turn_bins(Theta0Pairs(theta, theta + off))
-            if bins.centre.size >= FEWEST_MEDIANS:
-                axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
-            style.degree_axis(axes, "θ0, orientation before the push (°)")
-            axes.set_ylabel(label)
+    columns = min(len(left), 2)
+    rows = -(-len(left) // columns)
+    figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
+    grid = GridSpec(
+        rows, columns, figure,
+        left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
+    )  # fmt: skip
+    for number, (label, theta, off) in enumerate(left):
+        axes = figure.add_subplot(grid[number // columns, number % columns])
+        axes.axhline(0.0, color=QUIET, linewidth=0.9)
+        axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, marker="o", **style.DOTS)
+        bins = turn_bins(Theta0Pairs(theta, theta + off))
+        if bins.centre.size >= FEWEST_MEDIANS:
+            axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
+        style.degree_axis(axes)
+        axes.set_ylabel(label)
     return figure
 
 
-def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
-    axes.set_title("Directions", pad=TITLE_PAD)
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set_ylabel("probability per degree")
-    if found is None:
-        style.say(axes, "order of the pushes unknown")
-        return
-    draw_measured_histogram(axes, found.measured)
-    heights, edges = PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
-    axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
-    axes.set_ylim(bottom=0.0)
-    style.legend_above(axes)
+def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> None:
+    """The cycle map, the directions recorded and the staircase, measured and predicted."""
+    turn, histogram, staircase = panels
+    assert found.cycle is not None and found.data.pairs is not None
+    draw_turn(turn, curve, ())
+    draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+    turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
+    style.legend_above(turn)
+    histogram.set_title("Directions", pad=TITLE_PAD)
+    style.degree_axis(histogram)
+    histogram.set_ylabel("probability per degree")
+    if found.orientations is None:
+        style.say(histogram, "order of the pushes unknown")
+    else:
+        draw_measured_histogram(histogram, found.orientations.measured)
+        predicted = found.orientations.predicted
+        heights, edges = PER_DEGREE * predicted.density, np.degrees(predicted.edges)
+        histogram.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
+        histogram.set_ylim(bottom=0.0)
+        style.legend_above(histogram)
+    staircase.set_title("Staircase", pad=TITLE_PAD)
+    if found.data.pairs.path is None or found.staircase is None:
+        style.say(staircase, "order of the pushes unknown")
+    else:
+        draw_staircase(staircase, found.staircase.run, found.data.pairs.path)
+        staircase.set_xlabel("cycle of the compared path")
+        style.legend_above(staircase)
 
 
 def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
@@ -120,12 +125,11 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     largest = found.pushes[0]
     theta = np.degrees(np.mod(largest.theta, 2 * np.pi))
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
-        scale = _scale(quantity)
+        symbol, label, scale = _LABELS[quantity.name]
         axes.plot(theta, scale * largest.measured[:, column], marker="o", label="measured", zorder=2, **style.DOTS)
         predicted = scale * largest.predicted[:, column]
         axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
-        symbol, label = _LABELS[quantity.name]
-        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        style.degree_axis(axes)
         axes.set_ylabel(label)
         axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
         style.legend_above(axes)
@@ -135,7 +139,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     """Many sets: every push measured over predicted, beside the line where both are equal."""
     ((_, quantities),) = found.told_pushes
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
-        scale, (symbol, label) = _scale(quantity), _LABELS[quantity.name]
+        symbol, label, scale = _LABELS[quantity.name]
         for one in found.pushes:
             axes.plot(
                 scale * one.predicted[:, column], scale * one.measured[:, column], marker="o", zorder=2, **style.DOTS
@@ -145,10 +149,6 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
         unit = "°" if quantity.name == "dtheta" else " mm"
         axes.set_title(f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}", pad=TITLE_PAD)
         style.legend_above(axes)
-
-
-def _scale(quantity: QuantityAgreement) -> float:
-    return float(np.degrees(1.0)) if quantity.name == "dtheta" else 1000.0
 
 
 def headline(name: str, found: Comparison) -> str:

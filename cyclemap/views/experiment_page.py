@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, PREDICTED, legend_above, new_figure, picture_style, unwrapped_axis, write_page
@@ -19,20 +18,20 @@ TITLE_PAD = 20.0
 _MARKERS = "os^vDP*X"
 
 
+@picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55)
-        for row, (run, name) in enumerate(named_runs(experiment)):
-            robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
-            draw_robot_frame(robot, run, f"{name}: robot's frame")
-            draw_object_frame(body, run, f"{name}: object's frame")
-            draw_course(course, run, f"{name}: θ0 over the cycles")
-        title = f"Batches of cycles on {experiment.loop.material.name}"
-        told = experiment_headline(experiment), spread_sentence(experiment), isotropic_sentence(experiment)
-        foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
-        write_page(figure, title, told, foot)
+    figure = new_figure()
+    grid = GridSpec(2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55)
+    for row, (run, name) in enumerate(named_runs(experiment)):
+        robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
+        draw_paths(robot, run, f"{name}: robot's frame")
+        draw_paths(body, run, f"{name}: object's frame", in_object=True)
+        draw_course(course, run, f"{name}: θ0 over the cycles")
+    title = f"Batches of cycles on {experiment.loop.material.name}"
+    told = experiment_headline(experiment), spread_sentence(experiment), isotropic_sentence(experiment)
+    foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
+    write_page(figure, title, told, foot)
     return figure
 
 
@@ -41,15 +40,18 @@ def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
     return (experiment.anisotropic, "Anisotropic"), (experiment.isotropic, "Isotropic")
 
 
-def draw_robot_frame(axes: Axes, run: BatchRun, title: str) -> None:
-    """Paths of the centre in the robot's frame, whose origin is the reset's target."""
-    _draw_paths(axes, run.path, "x (mm)", "y (mm)")
-    axes.set_title(title, pad=TITLE_PAD)
-
-
-def draw_object_frame(axes: Axes, run: BatchRun, title: str) -> None:
-    """Paths of the centre in the object's frame before each push."""
-    _draw_paths(axes, run.object_path, "x in the object's frame (mm)", "y in the object's frame (mm)")
+def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -> None:
+    """Paths of the centre, each batch's last one thick: about the reset's target, or seen from the object."""
+    paths, where = (run.object_path, " in the object's frame") if in_object else (run.path, "")
+    for path in paths.reshape(-1, *paths.shape[2:]):
+        axes.plot(*(MM * path).T, color=PREDICTED, linewidth=0.5, alpha=0.45, zorder=2)
+    for path in paths[:, -1]:
+        axes.plot(*(MM * path).T, "o-", markevery=[0], color=FORCE, linewidth=1.8, markersize=4.0, zorder=3)
+    axes.lines[0].set_label("pushes")
+    axes.lines[-1].set_label("last of a batch")
+    legend_above(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel=f"x{where} (mm)", ylabel=f"y{where} (mm)")
     axes.set_title(title, pad=TITLE_PAD)
 
 
@@ -71,19 +73,6 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
     unwrapped_axis(axes, "θ0, unwrapped")
     axes.set_title(title, pad=8.0 + 13.0 * math.ceil(len(run.theta) / 3))
     legend_above(axes, columns=3)
-
-
-def _draw_paths(axes: Axes, paths: Array, x_label: str, y_label: str) -> None:
-    """`paths` (batches, cycles, k, 2), m: all of them thin, each batch's last one thick."""
-    for path in paths.reshape(-1, *paths.shape[2:]):
-        axes.plot(*(MM * path).T, color=PREDICTED, linewidth=0.5, alpha=0.45, zorder=2)
-    for path in paths[:, -1]:
-        axes.plot(*(MM * path).T, "o-", markevery=[0], color=FORCE, linewidth=1.8, markersize=4.0, zorder=3)
-    axes.lines[0].set_label("pushes")
-    axes.lines[-1].set_label("last of a batch")
-    legend_above(axes)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel=x_label, ylabel=y_label)
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:

@@ -9,7 +9,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction, PredictionCheck
+from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
 from cyclemap.views import style
@@ -20,6 +20,7 @@ _ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
 
 
+@style.picture_style()
 def fingerprint_page(
     found: Fingerprint, prediction: Prediction | None = None, checked: PredictionCheck | None = None, name: str = ""
 ) -> Figure:
@@ -27,30 +28,29 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    with style.picture_style():
-        figure = style.new_figure()
-        grid = GridSpec(
-            2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
-            hspace=0.62,
-        )  # fmt: skip
-        column = 0 if prediction is not None else slice(None)
-        draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
-        draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
-        if prediction is not None:
-            draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
-        title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
-        told = [protocol_sentence(found)]
-        if prediction is not None:
-            told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
-            told += [lock_in_sentence(prediction), trust_sentence(prediction)]
-        if checked is not None:
-            told.append(check_sentence(checked))
-        numbers = "   ".join(
-            f"{symbol} {value}°"
-            for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
-        )
-        foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-        style.write_page(figure, title, told, foot, top=0.925, letters=170)
+    figure = style.new_figure()
+    grid = GridSpec(
+        2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
+        hspace=0.62,
+    )  # fmt: skip
+    column = 0 if prediction is not None else slice(None)
+    draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
+    draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
+    if prediction is not None:
+        draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
+    title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
+    told = [protocol_sentence(found)]
+    if prediction is not None:
+        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+    if checked is not None:
+        told.append(check_sentence(checked))
+    numbers = "   ".join(
+        f"{symbol} {value}°"
+        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
+    )
+    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+    style.write_page(figure, title, told, foot, top=0.925, letters=170)
     return figure
 
 
@@ -88,7 +88,7 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
         left = place > 290.0
         above = direction.orbit.stable != left
         style.name_beside(axes, place, 0.0, f"{place:.1f}° {kind}", (-8 if left else 8, 8 if above else -16))
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
     axes.set_title("Turn of one cycle")
@@ -133,8 +133,12 @@ def direction_sentence(prediction: Prediction, material: str) -> str:
     """Where the surface locks in, or how fast it drifts, to first order and with the error."""
     stable = prediction.stable_directions
     if stable:
-        places = ", ".join(_place(direction) for direction in stable)
-        return f"To first order {material} locks into {places}{_doubt(prediction, LOCKS)}."
+        places = []
+        for one in stable:
+            second = "" if one.second_order is None else f"; to second order {angle(one.second_order.points[0])}"
+            width = "± more than 90°" if one.error > ANYWHERE else f"± {angle(one.error)}"
+            places.append(f"{angle(one.theta)} {width} (multiplier {_signed(one.multiplier)}{second})")
+        return f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
     pace = ""
     if prediction.mean_turn is not None:
         pace = f": the map turns {angle(prediction.mean_turn, 2)} a cycle on average"
@@ -180,13 +184,6 @@ def check_sentence(checked: PredictionCheck) -> str:
         if one.predicted.stable
     ]
     return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
-
-
-def _place(direction: PredictedDirection) -> str:
-    second = direction.second_order
-    refined = "" if second is None else f"; to second order {angle(second.points[0])}"
-    width = "± more than 90°" if direction.error > ANYWHERE else f"± {angle(direction.error)}"
-    return f"{angle(direction.theta)} {width} (multiplier {_signed(direction.multiplier)}{refined})"
 
 
 def _signed(value: float) -> str:

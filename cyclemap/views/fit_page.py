@@ -27,7 +27,7 @@ from cyclemap.evidence.tables.measured_cycle_map import (
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views import style
 from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram, draw_staircase
-from cyclemap.views.sentences import angle, number
+from cyclemap.views.sentences import angle, listed, number
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
@@ -35,57 +35,50 @@ FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
 # Points between a panel and its title: two rows of a legend.
 TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
-THETA0 = "θ0, orientation before the push (°)"
 SCALES = {"dtheta": np.degrees(1.0), "dx": 1000.0, "dy": 1000.0}
 LABELS = {"dtheta": "turn of the push, Δθ (°)", "dx": "displacement, Δx (mm)", "dy": "displacement, Δy (mm)"}
 CIRCLE = np.linspace(0.0, 2 * np.pi, 721)
 LATE_FILL = "#cfcfcf"
 
 
+@style.picture_style()
 def fit_page(fit: SetFit) -> Figure:
     """Draw what was fitted to a set: a row of its pushes, a row of its cycle map, or as much of them as there is.
 
     Raises InvalidInput where nothing was fitted.
     """
-    rows = [row for row in _panels(fit) if row]
-    if not rows:
-        raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
-    with style.picture_style():
-        figure = style.new_figure(16.0, 9.6)
-        foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
-        top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
-        if len(rows) == 1 and len(rows[0]) > 2:
-            half = (len(rows[0]) + 1) // 2
-            rows = [rows[0][:half], rows[0][half:]]
-        height = (top - FOOT) / len(rows)
-        for number, row in enumerate(rows):
-            # Draw panels side by side in this part of the page, with room for titles above and labels below them.
-            upper = top - number * height
-            ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
-            grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
-            for column, (title, draw) in enumerate(row):
-                axes = figure.add_subplot(grid[0, column])
-                draw(axes)
-                axes.set_title(title, pad=TITLE_PAD)
-    return figure
-
-
-def _panels(fit: SetFit) -> tuple[list[Panel], list[Panel]]:
-    """Titles and drawers of what is known of the pushes, and of the cycle map."""
     laws = [law for law in fit.laws.laws if law.law is not None]
     pushes: list[Panel] = [(SIGNS[law.quantity], partial(draw_law, law=law)) for law in laws]
     if fit.histogram is not None:
         pushes.append(("Histogram of Δθ", partial(draw_turn_histogram, histogram=fit.histogram)))
-    found = fit.cycle_map
-    if found is None:
-        return pushes, []
-    cycles: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
-    if (forecast := found.forecast) is not None:
-        cycles.append(("Directions", partial(draw_directions, forecast=forecast)))
-        cycles.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
-        if forecast.pace.measured.size:
-            cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
-    return pushes, cycles
+    cycles: list[Panel] = []
+    if (found := fit.cycle_map) is not None:
+        cycles.append(("Cycle map", partial(draw_worn_turns, found=found)))
+        if (forecast := found.forecast) is not None:
+            cycles.append(("Directions", partial(draw_directions, forecast=forecast)))
+            cycles.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
+            if forecast.pace.measured.size:
+                cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
+    rows = [row for row in (pushes, cycles) if row]
+    if not rows:
+        raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
+    figure = style.new_figure(16.0, 9.6)
+    foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
+    top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
+    if len(rows) == 1 and len(rows[0]) > 2:
+        half = (len(rows[0]) + 1) // 2
+        rows = [rows[0][:half], rows[0][half:]]
+    height = (top - FOOT) / len(rows)
+    for place, row in enumerate(rows):
+        # Draw panels side by side in this part of the page, with room for titles above and labels below them.
+        upper = top - place * height
+        ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
+        grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
+        for column, (title, draw) in enumerate(row):
+            axes = figure.add_subplot(grid[0, column])
+            draw(axes)
+            axes.set_title(title, pad=TITLE_PAD)
+    return figure
 
 
 def draw_law(axes: Axes, law: MotionLaw) -> None:
@@ -98,7 +91,7 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
         labels = ("95 % of pushes", "law, 95 % band of its mean")
         bands = _draw_band(axes, law.law.band(CIRCLE), law.theta, scale, PREDICTED_FILL, PREDICTED, "-", labels)
         _keep_to(axes, scale * law.value, bands)
-    style.degree_axis(axes, THETA0)
+    style.degree_axis(axes)
     axes.set_ylabel(LABELS[law.quantity])
     style.legend_above(axes, columns=2)
 
@@ -117,7 +110,7 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
         for orbit in state.fixed_points:
             axes.plot(np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit)))
     _keep_to(axes, turns, edges)
-    style.degree_axis(axes, THETA0)
+    style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle (°)")
     style.legend_above(axes, columns=2)
 
@@ -142,7 +135,7 @@ def draw_directions(axes: Axes, forecast: WornForecast) -> None:
     density, edges = PER_DEGREE * forecast.histogram.density, np.degrees(forecast.histogram.edges)
     axes.stairs(density, edges, color=PREDICTED, linewidth=1.6, label="fitted map", zorder=4)
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
-    style.degree_axis(axes, THETA0)
+    style.degree_axis(axes)
     axes.set_ylabel("probability per degree")
     style.legend_above(axes, columns=2)
 
@@ -239,7 +232,7 @@ def count_sentence(fit: SetFit) -> str:
         return told
     size = angle(sum(high - low for low, high in arcs), 0)
     where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
-    return f"{told} θ0 covers {size} of the circle ({_listed(where)}); nothing is said of the rest."
+    return f"{told} θ0 covers {size} of the circle ({listed(where)}); nothing is said of the rest."
 
 
 def law_sentence(law: MotionLaw) -> str:
@@ -293,8 +286,8 @@ def map_sentences(found: MeasuredCycleMap) -> list[str]:
 
 def order_sentence(found: MeasuredCycleMap) -> str:
     """The order, wear and scatter of the cycle map."""
-    law = found.fitted.law if found.fitted.wear is None else found.fitted.wear.whole
     worn, few = found.fitted.wear, f"{FEWEST_FOR_WEAR} cycles or more would tell"
+    law = found.fitted.law if worn is None else worn.whole
     wear = "" if worn is None else f", wearing with degree {worn.degree}" if found.wears else ", no wear seen"
     if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
         wear = f", wear unknown ({few})"
@@ -302,7 +295,10 @@ def order_sentence(found: MeasuredCycleMap) -> str:
     scatter = f"scatter {angle(law.sigma, 2)}" + ("" if law.log_variance.size == 1 else f", from {quiet} to {loud}")
     alike = f"; neighbouring residuals correlate ({law.lag_correlation:.2f}), so bands and ranges are too narrow"
     tail = alike if law.lag_correlation > ALIKE else ""
-    order = f"{law.harmonics} harmonics{' (the most tried)' if _at_limit(found) else ''}"
+    # Whether cross-validation took the largest order it was offered.
+    tried = found.fitted.wear or found.fitted.law
+    most = tried.rmse_by_order is not None and 1 < tried.rmse_by_order.shape[-1] == tried.harmonics + 1
+    order = f"{law.harmonics} harmonics{' (the most tried)' if most else ''}"
     return f"Cycle map of {found.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
 
 
@@ -323,14 +319,14 @@ def _peak(histogram: AngleHistogram) -> str:
 
 def _places(state: MapState) -> str:
     kinds = [f"{orbit.kind} {angle(orbit.points[0])}" for orbit in state.fixed_points]
-    has = [f"fixed points: {_listed(kinds)}"] if kinds else []
+    has = [f"fixed points: {listed(kinds)}"] if kinds else []
     slow = [
         f"{angle(p.theta)} ({number(p.cycles or math.nan)} pushes; least turn {_interval(p)})" for p in state.passages
     ]
-    has += [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {_listed(slow)}"] if slow else []
+    has += [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {listed(slow)}"] if slow else []
     open_ = [f"{angle(one.theta)}, where a cycle turns by {_interval(one)}" for one in state.undecided]
-    told = [f"it has {_listed(has)}"] if has else []
-    told += [f"it cannot be told whether θ0 rests or passes at {_listed(open_)}"] if open_ else []
+    told = [f"it has {listed(has)}"] if has else []
+    told += [f"it cannot be told whether θ0 rests or passes at {listed(open_)}"] if open_ else []
     slowest = f"{angle(state.slowest.theta)}, a cycle turns by {_interval(state.slowest)}"
     return "; ".join(told) or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
 
@@ -341,16 +337,6 @@ def _interval(place: TurnPlace) -> str:
     decimals = 2 if width < 1.0 else 1 if width < 10.0 else 0
     low, high = angle(place.lower, decimals), angle(place.upper, decimals)
     return f"{angle(place.turn, decimals)} ({low} to {high})"
-
-
-def _listed(parts: list[str]) -> str:
-    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
-
-
-def _at_limit(found: MeasuredCycleMap) -> bool:
-    """Whether cross-validation took the largest order it was offered."""
-    law = found.fitted.wear or found.fitted.law
-    return law.rmse_by_order is not None and 1 < law.rmse_by_order.shape[-1] == law.harmonics + 1
 
 
 def _share(value: float) -> str:

@@ -38,6 +38,7 @@ Panel = tuple[str, Callable[[Axes], None]]
 _DOTS: dict[str, Any] = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
 
 
+@style.picture_style()
 def identify_page(title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]) -> Figure:
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the page takes."""
     panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
@@ -51,33 +52,32 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
     panels += [(named(fit, "turns"), partial(draw_turns, fit=fit)) for fit in curves.strokes]
     places = [(fit, fit.errors) for fit in curves.strokes if fit.errors is not None]
     panels += [(named(fit, "places"), partial(draw_places, errors=errors)) for fit, errors in places]
-    with style.picture_style():
-        figure = style.new_figure(16.0, 9.6)
-        undrawn = len(panels) - MOST_PANELS
-        more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
-        foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-        top = style.write_tall_page(figure, title, words, foot, size=13.0)
-        count = min(len(panels), MOST_PANELS) + 1
-        rows, columns = (1, count) if count <= 3 else (2, 2) if count == 4 else (-(-count // 3), 3)
-        ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
-        grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
-        shared = tuple(one for one in found.estimates if "[" not in one.name)
-        estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
-        lines = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
-        box = grid[0, -1].get_position(figure)
-        whose = "" if len(estimates) == len(found.estimates) else " of all plates"
-        heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
-        figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
-        for number, one in enumerate(estimates):
-            line = figure.add_subplot(lines[number, 0])
-            draw_interval(line, one)
-            place = line.get_position()
-            line.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
-        cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) != (0, columns - 1)]
-        for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
-            axes = figure.add_subplot(grid[cell])
-            draw(axes)
-            axes.set_title(name, pad=TITLE_PAD)
+    figure = style.new_figure(16.0, 9.6)
+    undrawn = len(panels) - MOST_PANELS
+    more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
+    foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
+    top = style.write_tall_page(figure, title, words, foot, size=13.0)
+    count = min(len(panels), MOST_PANELS) + 1
+    rows, columns = (1, count) if count <= 3 else (2, 2) if count == 4 else (-(-count // 3), 3)
+    ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
+    grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
+    shared = tuple(one for one in found.estimates if "[" not in one.name)
+    estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
+    lines = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
+    box = grid[0, -1].get_position(figure)
+    whose = "" if len(estimates) == len(found.estimates) else " of all plates"
+    heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
+    figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
+    for number, one in enumerate(estimates):
+        line = figure.add_subplot(lines[number, 0])
+        draw_interval(line, one)
+        place = line.get_position()
+        line.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
+    cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) != (0, columns - 1)]
+    for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
+        axes = figure.add_subplot(grid[cell])
+        draw(axes)
+        axes.set_title(name, pad=TITLE_PAD)
     return figure
 
 
@@ -147,7 +147,7 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     if fit.late is not None:
         late = np.degrees(fit.late)
         axes.plot(np.degrees(fit.grid), late, color=INK, linestyle="--", linewidth=1.4, label="at the end", zorder=4)
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle (°)")
     style.legend_above(axes)
 
@@ -156,18 +156,13 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     """The interval of one parameter on an axis of its own, its name at the left."""
     unit, factor = readable_unit(one.unit)
     value, lower, upper = factor * one.value, factor * one.lower, factor * one.upper
-    look: dict[str, Any] = {
-        "color": PREDICTED if one.identifiable else QUIET,
-        "linewidth": 2.2,
-        "solid_capstyle": "butt",
-    }
-    axes.plot([lower, upper], [0.0, 0.0], **look)
-    axes.plot(value, 0.0, "o", color=look["color"], markersize=5)
+    color = PREDICTED if one.identifiable else QUIET
+    axes.plot([lower, upper], [0.0, 0.0], color=color, linewidth=2.2, solid_capstyle="butt")
+    axes.plot(value, 0.0, "o", color=color, markersize=5)
     for end, opened in ((lower, one.lower_open), (upper, one.upper_open)):
-        axes.plot(end, 0.0, "|" if not opened else "x", color=look["color"], markersize=8)
-    room = 0.35 * max(upper - lower, 1e-9)
+        axes.plot(end, 0.0, "|" if not opened else "x", color=color, markersize=8)
     # An interval narrower than the digits of its ticks would be labelled with an offset that nobody can read.
-    room = max(room, 1e-3 * max(abs(lower), abs(upper), 1e-3))
+    room = max(0.35 * (upper - lower), 1e-3 * max(abs(lower), abs(upper), 1e-3))
     axes.set_xlim(lower - room, upper + room)
     axes.ticklabel_format(axis="x", useOffset=False)
     axes.set(yticks=[], ylim=(-1.0, 1.0))

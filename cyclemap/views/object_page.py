@@ -29,6 +29,7 @@ RING_RADIUS_MM = 7.0
 LONGEST_ARROW = 0.13
 
 
+@style.picture_style()
 def object_page(checked: CheckedCollection) -> Figure:
     """Draw the set-up in the object's frame, one cycle in the world, and what the check found below them."""
     loop = checked.loop
@@ -38,14 +39,13 @@ def object_page(checked: CheckedCollection) -> Figure:
         for number, line in enumerate(textwrap.wrap(finding.words, _LETTERS))
     ]
     height = 5.6 + 0.2 * len(lines)
-    with style.picture_style():
-        figure = style.new_figure(11.0, height)
-        panels = figure.subplots(1, 2)
-        figure.subplots_adjust(left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(1.15 + 0.2 * len(lines)) / height)
-        if loop is not None:
-            draw_setup(panels[0], loop)
-            _draw_cycle(panels[1], loop)
-        figure.text(0.02, 0.12 / height, "\n".join(lines), va="bottom", color=INK, fontsize=8.5, linespacing=1.3)
+    figure = style.new_figure(11.0, height)
+    panels = figure.subplots(1, 2)
+    figure.subplots_adjust(left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(1.15 + 0.2 * len(lines)) / height)
+    if loop is not None:
+        draw_setup(panels[0], loop)
+        _draw_cycle(panels[1], loop)
+    figure.text(0.02, 0.12 / height, "\n".join(lines), va="bottom", color=INK, fontsize=8.5, linespacing=1.3)
     return figure
 
 

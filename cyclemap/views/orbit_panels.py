@@ -19,23 +19,8 @@ from cyclemap.maps import (
     OrbitDiagram,
     TransferOperator,
 )
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    THETA,
-    UNSTABLE,
-    degree_axis,
-    legend_above,
-    orbit_keys,
-    orbit_marker,
-    say,
-    small,
-    stability,
-    whole_turn_ticks,
-)
+from cyclemap.views import style
+from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, THETA, UNSTABLE
 
 HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
@@ -60,11 +45,11 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
             axes.plot(theta_deg, image_deg, color=PREDICTED, linewidth=1.8, zorder=3)
     for orbit in orbits:
         points_deg = np.degrees(orbit.points)
-        axes.plot(points_deg, np.roll(points_deg, -1), **orbit_marker(stability(orbit)))
-    degree_axis(axes, THETA)
-    whole_turn_ticks(axes)
+        axes.plot(points_deg, np.roll(points_deg, -1), **style.orbit_marker(style.stability(orbit)))
+    style.degree_axis(axes, THETA)
+    style.whole_turn_ticks(axes)
     axes.set(ylabel="next θ (°)", aspect="equal")
-    legend_above(axes, handles=orbit_keys({stability(orbit) for orbit in orbits}))
+    style.legend_above(axes, handles=style.orbit_keys({style.stability(orbit) for orbit in orbits}))
 
 
 def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
@@ -87,23 +72,25 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     """The stationary density of a noisy map, its error bound in the legend, and the uniform density beside it."""
     theta_deg = np.linspace(0.0, 360.0, 1441)
     density = np.radians(operator.density(np.radians(theta_deg)))
-    bound = f"± {small(np.radians(operator.error_bound))}" if operator.is_certain else "shares of its parts unknown"
+    bound = (
+        f"± {style.small(np.radians(operator.error_bound))}" if operator.is_certain else "shares of its parts unknown"
+    )
     axes.fill_between(theta_deg, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
     axes.plot(theta_deg, density, color=PREDICTED, linewidth=1.8, label=f"stationary density, {bound}", zorder=3)
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
-    degree_axis(axes, THETA)
+    style.degree_axis(axes, THETA)
     axes.set_ylabel("probability per degree")
     axes.set_ylim(bottom=0.0)
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     """A band for every basin, its immediate part hatched, its stable points as dots; the share of none is told."""
-    degree_axis(axes, THETA)
+    style.degree_axis(axes, THETA)
     axes.set_yticks([])
     axes.set_ylim(max(len(basins), 1) - 0.6, -0.5)
     if not basins:
-        say(axes, "no stable orbit")
+        style.say(axes, "no stable orbit")
         return
     labels: tuple[str | None, ...] = ("basin", "immediate basin", "stable orbit")
     hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": PREDICTED, "hatch": "////", "linewidth": 0}
@@ -114,12 +101,12 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
         name = f"period {orbit.period}, winding {orbit.winding}: {100 * basin.measure:.3g} % of the circle"
         axes.annotate(name, (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
         points_deg = np.degrees(orbit.points)
-        axes.plot(points_deg, np.full(points_deg.size, row), label=labels[2], **orbit_marker("stable"))
+        axes.plot(points_deg, np.full(points_deg.size, row), label=labels[2], **style.orbit_marker("stable"))
         labels = (None, None, None)
     undecided = basins[0].undecided
     share = f"{100 * undecided:.2g} %" if undecided > TOLD_SHARE else "nothing"
     axes.plot([], [], label=f"undecided: {share}", linestyle="none")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def _bars(arcs: Array) -> list[tuple[float, float]]:
@@ -158,9 +145,9 @@ def draw_orbit_branches(
 ) -> None:
     """Angles of the orbits over the parameter: solid where stable, dashed where not; bifurcations by their shapes."""
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
-    whole_turn_ticks(axes)
+    style.whole_turn_ticks(axes)
     if not branches:
-        say(axes, "no periodic orbit")
+        style.say(axes, "no periodic orbit")
     for branch in branches:
         for stable, (parameter, theta_deg) in branch_curves(branch):
             axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
@@ -170,7 +157,9 @@ def draw_orbit_branches(
         axes.plot(parameter, np.degrees(found.points), label=found.kind, zorder=5, **look, **marker)
     axes.margins(x=0.02)
     named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
-    legend_above(axes, columns=6, handles=[named[name] for name in ("stable", "unstable", *MARKERS) if name in named])
+    style.legend_above(
+        axes, columns=6, handles=[named[name] for name in ("stable", "unstable", *MARKERS) if name in named]
+    )
 
 
 def draw_orbit_diagram(axes: Axes, diagram: OrbitDiagram, parameter_label: str = "parameter") -> None:
@@ -178,7 +167,7 @@ def draw_orbit_diagram(axes: Axes, diagram: OrbitDiagram, parameter_label: str =
     parameter = np.repeat(diagram.parameter, diagram.theta.shape[1])
     axes.plot(parameter, np.degrees(diagram.theta).ravel(), ",", color=INK, alpha=0.5, rasterized=True)
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
-    whole_turn_ticks(axes)
+    style.whole_turn_ticks(axes)
     axes.margins(x=0.0)
 
 

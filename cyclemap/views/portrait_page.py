@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,22 +17,12 @@ from cyclemap.collection.uncertain_directions import DirectionInterval
 from cyclemap.maps import Orbit
 from cyclemap.views import sentences, style
 from cyclemap.views.object_page import cycle_key, draw_cycle
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 if TYPE_CHECKING:
     from cyclemap.evidence import AngleHistogram, MeasuredOverlay, Theta0Pairs, TurnBins
 
 
-LINE_LETTERS = 175
 # The top of its panel, where titles stand anyway; said, it spares Matplotlib the measuring of every tick label.
 _TITLE_PLACE = 1.0
 # A legend of four entries stands beside the longest title.
@@ -42,61 +31,54 @@ _NARROW: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "columnspa
 _HEADLINE_LETTERS = 84
 
 
+@style.picture_style()
 def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(
-            2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
-            wspace=0.24, hspace=0.42,
-        )  # fmt: skip
-        panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
-        turn, density, cobweb, staircase, push, drag = panels
-        known = portrait.uncertainty
-        draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
-        if measured is not None:
-            draw_measured_turns(turn, measured.pairs, measured.bins)
-        turn.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
-        _legend_above(turn)
-        draw_density(density, curves)
-        if measured is not None:
-            draw_measured_histogram(density, measured.histogram)
-        density.set_ylim(bottom=0.0)
-        density.set_title("Directions recorded", y=_TITLE_PLACE)
-        _legend_above(density)
-        draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
-        place = "the jump" if portrait.gathering_jumps else "the slowest direction"
-        place = "the stable direction" if portrait.stable_points else place
-        whole = curves.cobweb.high - curves.cobweb.low > 6.2
-        cobweb.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
-        path = None if measured is None else measured.pairs.path
-        draw_staircase(staircase, portrait.staircase.theta, path)
-        staircase.set_title("Staircase", y=_TITLE_PLACE)
-        if path is not None:
-            staircase.legend(loc="upper left")
-        draw_cycle(push, drag, curves.scene)
-        cycle = portrait.cycle
-        push.set_title(
-            f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
-        )
-        drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
-        _write_words(figure, portrait, curves, measured)
+    figure = style.new_figure()
+    grid = GridSpec(
+        2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
+        wspace=0.24, hspace=0.42,
+    )  # fmt: skip
+    panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
+    turn, density, cobweb, staircase, push, drag = panels
+    known = portrait.uncertainty
+    draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
+    if measured is not None:
+        draw_measured_turns(turn, measured.pairs, measured.bins)
+    draw_density(density, curves)
+    if measured is not None:
+        draw_measured_histogram(density, measured.histogram)
+    density.set_ylim(bottom=0.0)
+    for axes in (turn, density):
+        # On the title's line, where it can cover nothing.
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, **_NARROW)
+    draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
+    place = "the jump" if portrait.gathering_jumps else "the slowest direction"
+    place = "the stable direction" if portrait.stable_points else place
+    about = "" if curves.cobweb.high - curves.cobweb.low > 6.2 else f" about {place}"
+    path = None if measured is None else measured.pairs.path
+    draw_staircase(staircase, portrait.staircase.theta, path)
+    if path is not None:
+        staircase.legend(loc="upper left")
+    draw_cycle(push, drag, curves.scene)
+    cycle = portrait.cycle
+    start, pushed, dragged = map(sentences.angle, (cycle.theta, cycle.push_turn, cycle.drag_turn))
+    titles = (
+        f"Turn of one cycle{', fresh' * (portrait.worn is not None)}",
+        *("Directions recorded", f"Cobweb{about}", "Staircase"),
+        *(f"Push from {start}: turns {pushed}", f"Drag by the ring: turns {dragged}"),
+    )
+    for axes, title in zip(panels, titles, strict=True):
+        axes.set_title(title, y=_TITLE_PLACE)
+    _write_words(figure, portrait, curves, measured)
     return figure
-
-
-def _legend_above(axes: Axes) -> None:
-    """A legend of one row on the title's line, where it can cover nothing."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, **_NARROW)
 
 
 def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
     material, said = portrait.loop.material, sentences.headline(portrait)
-    known = sentences.uncertainty_sentence(material.name, portrait.uncertainty)
-    size = 18.0 * min(1.0, _HEADLINE_LETTERS / len(said))
-    figure.text(0.015, 0.955, said, fontsize=size, fontweight="bold", va="center")
     tellers = (sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
-    told = fill(" ".join([*(tell(portrait) for tell in tellers), known]), LINE_LETTERS)
-    figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
+    told = [*(tell(portrait) for tell in tellers), sentences.uncertainty_sentence(material.name, portrait.uncertainty)]
+    style.write_page(figure, said, told, size=18.0 * min(1.0, _HEADLINE_LETTERS / len(said)))
     inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
     how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"
     foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
@@ -133,7 +115,7 @@ def draw_turn(
         axes.plot(at, 0.0, **_marker(orbit))
         name = f"{at:.1f}° {'stable' if orbit.stable else 'unstable'}"
         style.name_beside(axes, at, 0.0, name, (7 if at < 290 else -7, 9 if orbit.stable else -16))
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 5, 6, 10]))
     axes.margins(y=0.12)
@@ -175,7 +157,7 @@ def draw_density(axes: Axes, curves: PortraitCurves) -> None:
     theta, density = np.degrees(curves.density_theta), PER_DEGREE * curves.density
     axes.fill_between(theta, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
     axes.plot(theta, density, color=PREDICTED, linewidth=1.8, label="predicted", zorder=3)
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes)
     axes.set_ylabel("probability per degree")
 
 

@@ -28,45 +28,42 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
             f"Anisotropy that could hide behind the {noise}: axes up to {found.ratio[2]:.4g} : 1, a centre up to "
             f"{found.offset[2]:.2g} of the mean radius off (95 % confidence).",
         )
+    if found.stable:
+        where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
+        locks = f"at {where}"
+    else:
+        low, high = (angle(turn) for turn in found.turns)
+        locks = f"nowhere: a cycle turns it by {low} to {high}"
     return (
         f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, {len(found.theta)} pushes).",
         f"A friction ellipse with axes {found.ratio[0]:.4g} : 1 ({found.ratio[1]:.4g} to {found.ratio[2]:.4g}), longer "
         f"along {angle(found.anisotropy.ellipse_direction)}, its centre {found.offset[0]:.2g} of the mean radius "
         f"off ({found.offset[1]:.2g} to {found.offset[2]:.2g}), explains {found.explained:.0%} of that; {noise}.",
-        _lock_in(found),
+        f"A push-and-drag-back collection on such a surface locks in {locks}.",
     )
 
 
-def _lock_in(found: Probe) -> str:
-    if found.stable:
-        where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
-        return f"A push-and-drag-back collection on such a surface locks in at {where}."
-    low, high = (angle(turn) for turn in found.turns)
-    return f"A push-and-drag-back collection on such a surface locks in nowhere: a cycle turns it by {low} to {high}."
-
-
+@picture_style()
 def probe_page(found: Probe) -> Figure:
     """Draw each outcome over the orientation, with what the harmonics and the ellipse make of it."""
     words = [line for sentence in probe_sentences(found) for line in textwrap.wrap(sentence, _LETTERS)]
-    with picture_style():
-        figure = new_figure(12.0, 4.6)
-        panels = figure.subplots(1, 3)
-        figure.subplots_adjust(left=0.06, right=0.98, top=0.86, bottom=0.34, wspace=0.26)
-        for axes, outcome in zip(panels, OUTCOMES, strict=True):
-            label, scale = _LABELS[outcome]
-            column = OUTCOMES.index(outcome)
-            measured = scale * found.change[:, column]
-            theta = np.degrees(found.theta) % 360.0
-            axes.plot(theta, measured, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="probed")
-            around = np.linspace(0.0, 2.0 * math.pi, 91)
-            made = found.mimic.cycles(around)
-            mimicked = scale * (made.push_turn if outcome == "dtheta" else made.push_displacement[:, column])
-            # The mean motion is free in the fit: it is what the object rests on, not the direction.
-            mimicked += measured.mean() - mimicked[:-1].mean()
-            axes.plot(np.degrees(around), mimicked, color=PREDICTED, label="the ellipse")
-            axes.set_ylabel(label)
-            degree_axis(axes, "orientation θ0 (°)")
-        panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-        foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
-        figure.text(0.02, 0.02, "\n".join([*words, foot]), color=INK, fontsize=8.5, va="bottom", linespacing=1.4)
+    figure = new_figure(12.0, 4.6)
+    panels = figure.subplots(1, 3)
+    figure.subplots_adjust(left=0.06, right=0.98, top=0.86, bottom=0.34, wspace=0.26)
+    for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
+        label, scale = _LABELS[outcome]
+        measured = scale * found.change[:, column]
+        theta = np.degrees(found.theta) % 360.0
+        axes.plot(theta, measured, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="probed")
+        around = np.linspace(0.0, 2.0 * math.pi, 91)
+        made = found.mimic.cycles(around)
+        mimicked = scale * (made.push_turn if outcome == "dtheta" else made.push_displacement[:, column])
+        # The mean motion is free in the fit: it is what the object rests on, not the direction.
+        mimicked += measured.mean() - mimicked[:-1].mean()
+        axes.plot(np.degrees(around), mimicked, color=PREDICTED, label="the ellipse")
+        axes.set_ylabel(label)
+        degree_axis(axes, "orientation θ0 (°)")
+    panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+    foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
+    figure.text(0.02, 0.02, "\n".join([*words, foot]), color=INK, fontsize=8.5, va="bottom", linespacing=1.4)
     return figure

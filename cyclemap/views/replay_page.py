@@ -29,77 +29,65 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     return f"{who} {ends} {1e3 * error:.1f} mm and {math.degrees(turn_error):.1f}° off on average{also}."
 
 
+@style.picture_style()
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
-    with style.picture_style():
-        figure = style.new_figure()
-        grid = GridSpec(
-            2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
-        )  # fmt: skip
-        for number, turn in enumerate((False, True)):
-            _draw_errors(figure.add_subplot(grid[0, 3 * number : 3 * number + 3]), replayed, turn)
-            _draw_motions(figure.add_subplot(grid[0, 6 + 3 * number : 9 + 3 * number]), replayed, turn)
-        order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
-        for place, share in enumerate(_SHARES):
-            row = int(order[min(int(share * len(order)), len(order) - 1)])
-            # One push seen from above: the object before, and after it as measured and as predicted, with its ways.
-            axes = figure.add_subplot(grid[1, 4 * place : 4 * place + 4])
-            replay, facts = replayed.replays[row], replayed.table.iloc[row]
-            axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
-            for poses, colour, width, name in (
-                (replay.measured, MEASURED, 3.0, "measured"),
-                (replay.predicted, PREDICTED, 1.5, "predicted"),
-            ):
-                axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
-                axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
-            axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
-            axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
-            axes.set_aspect("equal", adjustable="datalim")
-            axes.set(xlabel="x (mm)", ylabel="y (mm)")
-            speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-            off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
-            axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
-            style.legend_above(axes, columns=4)
-        foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
-        style.write_page(figure, f"Replayed on {material}", [replay_headline(replayed)], foot)
+    figure = style.new_figure()
+    grid = GridSpec(
+        2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
+    )  # fmt: skip
+    for turn in (False, True):
+        errors, motions = (figure.add_subplot(grid[0, left : left + 3]) for left in (3 * turn, 6 + 3 * turn))
+        _draw_whole(errors, motions, replayed, turn)
+    order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
+    for place, share in enumerate(_SHARES):
+        row = int(order[min(int(share * len(order)), len(order) - 1)])
+        # One push seen from above: the object before, and after it as measured and as predicted, with its ways.
+        axes = figure.add_subplot(grid[1, 4 * place : 4 * place + 4])
+        replay, facts = replayed.replays[row], replayed.table.iloc[row]
+        axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
+        for poses, colour, width, name in (
+            (replay.measured, MEASURED, 3.0, "measured"),
+            (replay.predicted, PREDICTED, 1.5, "predicted"),
+        ):
+            axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
+            axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
+        axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
+        axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set(xlabel="x (mm)", ylabel="y (mm)")
+        speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
+        off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
+        axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
+        style.legend_above(axes, columns=4)
+    foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
+    style.write_page(figure, f"Replayed on {material}", [replay_headline(replayed)], foot)
     return figure
 
 
-def _kinds(replayed: ReplayedPushes) -> list[str]:
-    return sorted(set(replayed.table["object"]))
-
-
-def _draw_errors(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
-    """Errors at the end by object: each push, and their mean."""
-    kinds = _kinds(replayed)
-    column, factor = ("turn_error", math.degrees(1.0)) if turn else ("error", 1e3)
-    for place, kind in enumerate(kinds):
-        error = factor * replayed.table[column][replayed.table["object"] == kind].abs().to_numpy()
-        spread = place + 0.5 * (np.arange(error.size) + 0.5) / error.size - 0.25
-        axes.plot(spread, error, "o", color=MEASURED, markeredgecolor=MEASURED_EDGE, markersize=3.5, zorder=3)
-        axes.hlines(error.mean(), place - 0.36, place + 0.36, color=PREDICTED, linewidth=2.5, zorder=4)
-    axes.set_xticks(range(len(kinds)), kinds, rotation=30 if len(kinds) > 3 else 0)
-    axes.set(xlim=(-0.6, len(kinds) - 0.4), ylabel="turn error (°)" if turn else "error (mm)")
-    axes.set_ylim(0.0, 1.08 * max(factor * float(replayed.table[column].abs().max()), 1e-12))
-    axes.set_title("Turn, off at the end" if turn else "Place, off at the end")
-
-
-def _draw_motions(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
-    """Predicted over measured motion, a marker an object."""
-    factor, name = (math.degrees(1.0), "turn") if turn else (1e3, "motion")
-    table, kinds = replayed.table, _kinds(replayed)
+def _draw_whole(errors: Axes, motions: Axes, replayed: ReplayedPushes, turn: bool) -> None:
+    """Errors at the end by object, each push and their mean; predicted over measured motion, a marker an object."""
+    table, kinds = replayed.table, sorted(set(replayed.table["object"]))
+    name, factor, unit = ("turn", math.degrees(1.0), "°") if turn else ("motion", 1e3, "mm")
+    off = factor * table["turn_error" if turn else "error"].abs().to_numpy()
     both = factor * table[[f"measured_{name}", f"predicted_{name}"]].to_numpy()
-    low, high = float(both.min()), float(both.max())
-    axes.plot([low, high], [low, high], color=QUIET, linewidth=0.9, zorder=2)
-    for number, kind in enumerate(kinds):
-        chosen = both[(table["object"] == kind).to_numpy()]
-        look: dict[str, Any] = {"markersize": 4.0, "mfc": "white", "mec": PREDICTED, "linestyle": "none"}
-        axes.plot(*chosen.T, marker=_MARKERS[number % len(_MARKERS)], label=kind, zorder=3, **look)
-    unit = "°" if turn else "mm"
-    axes.set(xlabel=f"measured {name} ({unit})", ylabel=f"predicted {name} ({unit})")
-    axes.set_title("Turn" if turn else "Distance")
+    ends = [float(both.min()), float(both.max())]
+    motions.plot(ends, ends, color=QUIET, linewidth=0.9, zorder=2)
+    look: dict[str, Any] = {"markersize": 4.0, "mfc": "white", "mec": PREDICTED, "linestyle": "none"}
+    for place, kind in enumerate(kinds):
+        chosen = (table["object"] == kind).to_numpy()
+        error = off[chosen]
+        spread = place + 0.5 * (np.arange(error.size) + 0.5) / error.size - 0.25
+        errors.plot(spread, error, "o", color=MEASURED, markeredgecolor=MEASURED_EDGE, markersize=3.5, zorder=3)
+        errors.hlines(error.mean(), place - 0.36, place + 0.36, color=PREDICTED, linewidth=2.5, zorder=4)
+        motions.plot(*both[chosen].T, marker=_MARKERS[place % len(_MARKERS)], label=kind, zorder=3, **look)
+    errors.set_xticks(range(len(kinds)), kinds, rotation=30 if len(kinds) > 3 else 0)
+    errors.set(xlim=(-0.6, len(kinds) - 0.4), ylim=(0.0, 1.08 * max(float(off.max()), 1e-12)))
+    errors.set(ylabel=f"{'turn ' * turn}error ({unit})", title=f"{'Turn' if turn else 'Place'}, off at the end")
+    motions.set(xlabel=f"measured {name} ({unit})", ylabel=f"predicted {name} ({unit})")
+    motions.set_title("Turn" if turn else "Distance")
     if turn and len(kinds) > 1:
-        axes.legend(loc="upper left", fontsize=7.0, handletextpad=0.2)
+        motions.legend(loc="upper left", fontsize=7.0, handletextpad=0.2)
 
 
 def _outline(replay: Replay, pose: Array) -> Array:

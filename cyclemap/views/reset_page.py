@@ -28,31 +28,68 @@ _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED = 0.45, 8
 
 
+@style.picture_style()
 def reset_page(design: ResetDesign) -> Figure:
     """Draw `design`."""
-    with style.picture_style():
-        figure = style.new_figure()
-        grid = GridSpec(
-            1, 3, figure, width_ratios=(1.0, 1.55, 1.15), left=0.03, right=0.985, bottom=0.43, top=0.84, wspace=0.25
-        )
-        draw_pushes(figure.add_subplot(grid[0, 0]), design.loop, design.chosen.strategy)
-        _draw_histograms(figure.add_subplot(grid[0, 1]), design)
-        axes = figure.add_subplot(grid[0, 2])
-        errors = 100.0 * design.ratio_errors
-        looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
-        for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
-            axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
-        axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
-        top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
-        axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
-        axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
-        axes.legend(loc="upper center", ncols=3)
-        _write_rows(figure, design)
-        title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
-        figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
-        if not design.met:
-            figure.text(0.015, 0.905, fill(miss_sentences(design)[0], 180), fontsize=10, color=FORCE, va="center")
+    figure = style.new_figure()
+    grid = GridSpec(
+        1, 3, figure, width_ratios=(1.0, 1.55, 1.15), left=0.03, right=0.985, bottom=0.43, top=0.84, wspace=0.25
+    )
+    draw_pushes(figure.add_subplot(grid[0, 0]), design.loop, design.chosen.strategy)
+    _draw_histograms(figure.add_subplot(grid[0, 1]), design)
+    axes = figure.add_subplot(grid[0, 2])
+    errors = 100.0 * design.ratio_errors
+    looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
+    for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
+        axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
+    axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
+    top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
+    axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
+    axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
+    axes.legend(loc="upper center", ncols=3)
+    lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
+    for left, name in zip(lefts, COLUMNS, strict=True):
+        figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
+    for number, row in enumerate(design.rows):
+        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
+        weight = "normal" if number else "bold"
+        for left, cell in zip(lefts, cells, strict=True):
+            figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
+        y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
+    foot = (
+        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; histogram: mean "
+        f"distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
+        f"noise {math.degrees(design.sigma):.2g}° a cycle"
+    )
+    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
+    figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
+    if not design.met:
+        figure.text(0.015, 0.905, fill(miss_sentences(design)[0], 180), fontsize=10, color=FORCE, va="center")
     return figure
+
+
+def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
+    # Watching and auditing say sentences of this page, and need not wait for that.
+    from scipy.stats import binom
+
+    bins, pushes = design.after.shape[1], design.demands.pushes
+    edges = np.linspace(0.0, 360.0, bins + 1)
+    low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
+    axes.axhspan(low, high, color=PREDICTED_FILL, label="95 % if uniform", zorder=0)
+    axes.stairs(design.before[0], edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
+    axes.stairs(design.after[0], edges, color=PREDICTED, linewidth=1.8, label="with the reset", zorder=3)
+    axes.axhline(1.0 / bins, color=INK, linewidth=0.9, linestyle="--", zorder=1)
+    axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
+    if design.before[0].max() > axes.get_ylim()[1]:
+        peak = int(np.argmax(design.before[0]))
+        style.name_tag(
+            axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED
+        )
+    style.degree_axis(axes)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
+    style.legend_above(axes)
 
 
 def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> None:
@@ -80,47 +117,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
     axes.set_title("Where to push, object's frame")
 
 
-def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
-    # Watching and auditing say sentences of this page, and need not wait for that.
-    from scipy.stats import binom
-
-    bins, pushes = design.after.shape[1], design.demands.pushes
-    edges = np.linspace(0.0, 360.0, bins + 1)
-    low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
-    axes.axhspan(low, high, color=PREDICTED_FILL, label="95 % if uniform", zorder=0)
-    axes.stairs(design.before[0], edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
-    axes.stairs(design.after[0], edges, color=PREDICTED, linewidth=1.8, label="with the reset", zorder=3)
-    axes.axhline(1.0 / bins, color=INK, linewidth=0.9, linestyle="--", zorder=1)
-    axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
-    if design.before[0].max() > axes.get_ylim()[1]:
-        peak = int(np.argmax(design.before[0]))
-        style.name_tag(
-            axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED
-        )
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-    axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
-    style.legend_above(axes)
-
-
-def _write_rows(figure: Figure, design: ResetDesign) -> None:
-    lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
-    for left, name in zip(lefts, COLUMNS, strict=True):
-        figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
-    for number, row in enumerate(design.rows):
-        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
-        weight = "normal" if number else "bold"
-        for left, cell in zip(lefts, cells, strict=True):
-            figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
-        y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
-    foot = (
-        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; histogram: mean "
-        f"distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
-        f"noise {math.degrees(design.sigma):.2g}° a cycle"
-    )
-    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
-
-
+@style.picture_style()
 def strategy_page(
     words: Sequence[str], loop: CollectionLoop, strategy: ResetStrategy, theta: Array, measured: Array | None,
     turns: Array | None = None, law: OrientationLaw | None = None,
@@ -129,44 +126,41 @@ def strategy_page(
 
     words : the title, then what is said below it.
     """
-    with style.picture_style():
-        figure = style.new_figure()
-        grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
-        path = figure.add_subplot(grid[0, 0])
-        if measured is not None:
-            path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
-        path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
-        path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
-        style.legend_above(path)
-        draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
-        axes = figure.add_subplot(grid[1, 0])
-        looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
-        for place, (one, colour, name) in enumerate(looks):
-            if one is not None:
-                heights, edges = np.histogram(np.degrees(one) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
-                axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
-        if law is not None:
-            axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
-        axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
-        style.degree_axis(axes, "θ0, orientation before the push (°)")
-        axes.set(ylabel="probability per degree", title="Directions recorded")
-        style.legend_above(axes, columns=4)
-        last = figure.add_subplot(grid[1, 1])
-        if turns is None:
-            last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)
-            last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
-        else:
-            degrees = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
-            last.axhline(0.0, color=QUIET, linewidth=0.9)
-            for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
-                last.plot(degrees, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
-            last.plot(
-                degrees, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean"
-            )
-            style.degree_axis(last, "θ0, orientation before the push (°)")
-            last.set(ylabel="turn of one cycle (°)", title="Turn of each action")
-            style.legend_above(last)
-        style.write_page(figure, words[0], words[1:])
+    figure = style.new_figure()
+    grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
+    path = figure.add_subplot(grid[0, 0])
+    if measured is not None:
+        path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
+    path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
+    path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
+    style.legend_above(path)
+    draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
+    axes = figure.add_subplot(grid[1, 0])
+    looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
+    for place, (one, colour, name) in enumerate(looks):
+        if one is not None:
+            heights, edges = np.histogram(np.degrees(one) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
+            axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
+    if law is not None:
+        axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
+    axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
+    style.degree_axis(axes)
+    axes.set(ylabel="probability per degree", title="Directions recorded")
+    style.legend_above(axes, columns=4)
+    last = figure.add_subplot(grid[1, 1])
+    if turns is None:
+        last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)
+        last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
+    else:
+        degrees = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
+        last.axhline(0.0, color=QUIET, linewidth=0.9)
+        for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
+            last.plot(degrees, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
+        last.plot(degrees, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
+        style.degree_axis(last)
+        last.set(ylabel="turn of one cycle (°)", title="Turn of each action")
+        style.legend_above(last)
+    style.write_page(figure, words[0], words[1:])
     return figure
 
 

@@ -24,12 +24,7 @@ CLOSE_NAMES = 0.045
 
 
 def draw_rotation_plane(
-    axes: Axes,
-    plane: RotationPlane,
-    first_label: str = "first parameter",
-    second_label: str = "second parameter",
-    *,
-    longest_period: int = LONGEST_PERIOD,
+    axes: Axes, plane: RotationPlane, first_label: str = "first parameter", second_label: str = "second parameter"
 ) -> None:
     """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded maps hatched."""
     first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
@@ -40,17 +35,10 @@ def draw_rotation_plane(
         height = (second[column], second[column + 1] - second[column])
         # White dots show on dark colours, dark lines on light ones.
         for color, hatch in ((INK, "//"), ("white", "..")):
-            look: dict[str, Any] = {
-                "facecolor": "none",
-                "edgecolor": color,
-                "hatch": hatch,
-                "linewidth": 0.0,
-                "zorder": 3,
-            }
-            axes.broken_barh(runs, height, label=label, **look)
+            look: dict[str, Any] = {"facecolor": "none", "edgecolor": color, "hatch": hatch, "linewidth": 0.0}
+            axes.broken_barh(runs, height, label=label, zorder=3, **look)
             label = ""
-    _outline_tongues(axes, plane, first, second, longest_period)
-    _name_tongues(axes, plane, longest_period)
+    _mark_tongues(axes, plane, first, second)
     axes.set(xlabel=first_label, ylabel=second_label)
     axes.set_xlim(float(first.min()), float(first.max()))
     axes.set_ylim(float(second.min()), float(second.max()))
@@ -67,29 +55,24 @@ def cell_edges(values: Array) -> Array:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _outline_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array, longest: int) -> None:
-    """A line along every edge between cells of which one is locked at p/q with a short period and the other is not."""
-    shown = (plane.period > 0) & (plane.period <= longest)
-    name = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.inf)
-    across, upward = name[:-1] != name[1:], name[:, :-1] != name[:, 1:]
+def _mark_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array) -> None:
+    """Edges of cells locked at p/q of a short period, beside others; p/q in the widest row that has room for it."""
+    shown = (plane.period > 0) & (plane.period <= LONGEST_PERIOD)
+    ratio = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.inf)
+    across, upward = ratio[:-1] != ratio[1:], ratio[:, :-1] != ratio[:, 1:]
     lines = [[(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)]
     lines += [[(first[i], second[j + 1]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(upward)]
     edges = LineCollection(lines, colors=INK, linewidths=0.8, capstyle="projecting", zorder=4)
     edges.set_path_effects([Stroke(linewidth=2.0, foreground="white"), Normal()])
     axes.add_collection(edges, autolim=False)
-
-
-def _name_tongues(axes: Axes, plane: RotationPlane, longest: int) -> None:
-    """p/q in the middle of each tongue's widest row, where that has room for it."""
-    shown = (plane.period > 0) & (plane.period <= longest)
     for winding, period in sorted(set(zip(plane.winding[shown].tolist(), plane.period[shown].tolist(), strict=True))):
         inside = (plane.winding == winding) & (plane.period == period)
         wide = np.flatnonzero(inside.sum(axis=0) > 0.8 * inside.sum(axis=0).max())
         row = int(wide[wide.size // 2])
         cells = np.flatnonzero(inside[:, row])
         if cells.size > NAMED_WIDTH * plane.first_values.size:
-            first, second = plane.first_values[cells[cells.size // 2]], plane.second_values[row]
-            name_tag(axes, float(first), float(second), ratio_name(Fraction(winding, period)))
+            x, y = plane.first_values[cells[cells.size // 2]], plane.second_values[row]
+            name_tag(axes, float(x), float(y), ratio_name(Fraction(winding, period)))
 
 
 def ratio_name(ratio: Fraction) -> str:

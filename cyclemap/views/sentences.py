@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
-from cyclemap.maps import Orbit, StaircaseSummary
+from cyclemap.maps import StaircaseSummary
 from cyclemap.mechanics import Material
 
 if TYPE_CHECKING:
@@ -25,25 +25,28 @@ MOST_PEAKS = 3
 def headline(portrait: Portrait) -> str:
     """The answer in a line: where this material locks in, or rests until noise or wear carries it on."""
     # Locked is what neither noise nor wear carries off within the run.
-    run, wears = portrait.staircase.cycles, portrait.worn is not None
+    run, wears, known = portrait.staircase.cycles, portrait.worn is not None, portrait.uncertainty
     locked, rests = [], []
     for orbit in portrait.stable_points:
-        place, stay = _place(portrait, orbit), portrait.stay(orbit)
+        # Never sharper than its interval: with 95 % of the posterior where the material has one.
+        theta, stay = orbit.points[0], portrait.stay(orbit)
+        interval = known.of(theta) if known is not None and known.is_posterior else None
+        place = orientation_and_push(theta, portrait.loop, 1 if interval is None else _decimals(interval))
+        place += "" if interval is None else f" (95 %: {_ends(interval)})"
         if stay is not None and stay >= run and not wears:
             locked.append(place)
         else:
             rests.append(place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time")
     jumps = [angle(theta) for theta in portrait.gathering_jumps]
-    words = [f"{how} {_listed(places)}" for how, places in (("locks into", locked), ("rests at", rests)) if places]
-    words = words or [f"gathers about {_listed(jumps)}" if jumps else "locks into no direction"]
+    words = [f"{how} {listed(places)}" for how, places in (("locks into", locked), ("rests at", rests)) if places]
+    words = words or [f"gathers about {listed(jumps)}" if jumps else "locks into no direction"]
     told = f"{portrait.loop.material.name} {' and '.join(words)}"
-    known = portrait.uncertainty
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
         told += f" (locked in {known.chance:.0%} of what its data allow)"
     if portrait.worn is None:
         return told
     worn = [angle(zone.centre) for zone in portrait.worn.zones]
-    return f"{told} when fresh, {f'near {_listed(worn)}' if worn else 'nowhere'} when worn"
+    return f"{told} when fresh, {f'near {listed(worn)}' if worn else 'nowhere'} when worn"
 
 
 def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) -> str:
@@ -58,15 +61,6 @@ def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) 
     return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
 
 
-def _place(portrait: Portrait, orbit: Orbit) -> str:
-    """A stable direction, never sharper than its interval: with 95 % of the posterior where the material has one."""
-    known, theta = portrait.uncertainty, orbit.points[0]
-    interval = known.of(theta) if known is not None and known.is_posterior else None
-    if interval is None:
-        return orientation_and_push(theta, portrait.loop)
-    return f"{orientation_and_push(theta, portrait.loop, _decimals(interval))} (95 %: {_ends(interval)})"
-
-
 def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     """How well the stable directions of a material are known; empty where nothing is."""
     if known is None:
@@ -74,12 +68,12 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     if not known.is_posterior:
         ends = [(angle(one.lower, 0), angle(one.upper % (2 * math.pi), 0)) for one in known.directions]
         told = [" to ".join(dict.fromkeys(pair)) for pair in ends]
-        where = f", the stable direction at {_listed(told)}" if told else ""
+        where = f", the stable direction at {listed(told)}" if told else ""
         many = ("neither surface locks in", "one of the two surfaces locks in", "both surfaces lock in")[known.locks]
         return f"The numbers of {name} come without an error: with the axes' ratio 10 % less or more {many}{where}."
     how = "to first order" if known.method == FIRST_ORDER else "each run in full"
     told = [f"{_ends(one)} (in {one.share:.0%} of samples)" for one in known.directions]
-    where = f", 95 % of them at {_listed(told)}" if told else ""
+    where = f", 95 % of them at {listed(told)}" if told else ""
     of = f"{known.locks} of {known.samples} samples"
     return f"Of what the data on {name} allow, {of} have a stable direction ({how}){where}."
 
@@ -101,7 +95,7 @@ def worn_rests(worn: StaircaseSummary) -> str:
     times = [one.residence_cycles for one in worn.zones]
     stays = [cycles(time) if time <= LONGEST_STAY else "longer than any collection" for time in times]
     rests = [f"{angle(zone.centre)} for {stay}" for zone, stay in zip(worn.zones, stays, strict=True)]
-    return f"near {_listed(rests)}"
+    return f"near {listed(rests)}"
 
 
 def lock_sentence(portrait: Portrait) -> str:
@@ -109,17 +103,17 @@ def lock_sentence(portrait: Portrait) -> str:
     jumps, orbits = [angle(theta) for theta in portrait.gathering_jumps], portrait.stable_points
     sentences = []
     if orbits:
-        multipliers = _listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
+        multipliers = listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
         # How many cycles take an error to its tenth.
         sizes = [abs(orbit.multiplier) for orbit in orbits]
         after = [
             "less than 1" if size < 0.1 else "ever more" if size >= 1.0 else number(math.log(0.1) / math.log(size))
             for size in sizes
         ]
-        stable = f"Stable at {_listed([angle(orbit.points[0]) for orbit in orbits])}, multiplier {multipliers}"
-        sentences.append(f"{stable}: a tenth of an error is left after {_listed(after)} cycles.")
+        stable = f"Stable at {listed([angle(orbit.points[0]) for orbit in orbits])}, multiplier {multipliers}"
+        sentences.append(f"{stable}: a tenth of an error is left after {listed(after)} cycles.")
     if jumps:
-        sentences.append(f"Orbits gather about the jump at {_listed(jumps)}.")
+        sentences.append(f"Orbits gather about the jump at {listed(jumps)}.")
     if sentences:
         return " ".join(sentences if portrait.worn is None else ["Fresh:", *sentences])
     turns = portrait.turns
@@ -142,7 +136,7 @@ def noise_sentence(portrait: Portrait) -> str:
         stays = "stays at the stable direction it falls into first"
         return f"{noise} the loop {stays}, and moves on once in {forgotten}."
     peaks = portrait.highest_peaks[:MOST_PEAKS]
-    where = f"peak at {_listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
+    where = f"peak at {listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
     return (
         f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
         f"the start is forgotten in {forgotten}."
@@ -234,5 +228,10 @@ def cycles(value: float | None) -> str:
     return "an unknown number of cycles" if value is None else f"{number(value)} cycles"
 
 
-def _listed(words: list[str]) -> str:
+def listed(words: list[str]) -> str:
+    """Words in a row, with "and" before the last.
+
+    >>> listed(["a"]), listed(["a", "b", "c"])
+    ('a', 'a, b and c')
+    """
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -13,57 +13,42 @@ from matplotlib.ticker import MaxNLocator
 from cyclemap.arrays import Array
 from cyclemap.collection.portrait import StaircaseForecast
 from cyclemap.evidence import MeasuredStaircase
-from cyclemap.maps import Estimate, SlowZone, StaircaseSummary, StepComparison, Steps
+from cyclemap.maps import StaircaseSummary, StepComparison, Steps
 from cyclemap.views import style
 from cyclemap.views.portrait_page import draw_staircase
 from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, uncertainty_sentence, worn_rests
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    UNSTABLE,
-    new_figure,
-    picture_style,
-    write_page,
-)
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
 
 
+@style.picture_style()
 def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Figure:
     """Draw `forecast`, with `measured` beside it where given."""
-    with picture_style():
-        figure = new_figure()
-        grid = GridSpec(
-            2, 2, figure, width_ratios=(1.0, 1.0), left=0.06, right=0.985, bottom=0.115, top=0.755, wspace=0.17,
-            hspace=0.5,
-        )  # fmt: skip
-        axes = figure.add_subplot(grid[:, 0])
-        if measured is not None:
-            fitted = np.degrees(measured.run.theta)
-            label = "map fitted to all data alike, without wear"
-            axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label=label, zorder=4)
-        draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
-        if measured is not None:
-            axes.legend(loc="upper left")
-        axes.set_title("One run" if measured is None else "One run each")
-        steps, lengths = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
-        if measured is None:
-            draw_steps(steps, forecast.run.theta, forecast.steps)
-            draw_step_lengths(lengths, forecast.steps, forecast.comparison)
-        else:
-            draw_steps(steps, measured.path, measured.steps)
-            draw_step_lengths(lengths, measured.steps, measured.comparison)
-        whose = "predicted" if measured is None else "measured"
-        steps.set_title(f"Dwells, {whose}")
-        # Above the legend, whose words may be long.
-        lengths.set_title("Lengths", pad=22.0)
-        name = forecast.loop.material.name
-        told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
-        told += [uncertainty_sentence(name, forecast.uncertainty)]
-        if measured is not None:
-            told += [measured_sentence(measured), fitted_sentence(measured)]
-        foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
-        write_page(figure, f"Staircase of {name}", told, foot)
+    figure = style.new_figure()
+    edges = {"left": 0.06, "right": 0.985, "bottom": 0.115, "top": 0.755}
+    grid = GridSpec(2, 2, figure, width_ratios=(1.0, 1.0), wspace=0.17, hspace=0.5, **edges)
+    axes = figure.add_subplot(grid[:, 0])
+    if measured is not None:
+        fitted = np.degrees(measured.run.theta)
+        label = "map fitted to all data alike, without wear"
+        axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label=label, zorder=4)
+    draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
+    if measured is not None:
+        axes.legend(loc="upper left")
+    axes.set_title("One run" if measured is None else "One run each")
+    steps, lengths = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    shown = forecast if measured is None else measured
+    draw_steps(steps, forecast.run.theta if measured is None else measured.path, shown.steps)
+    draw_step_lengths(lengths, shown.steps, shown.comparison)
+    steps.set_title(f"Dwells, {'predicted' if measured is None else 'measured'}")
+    # Above the legend, whose words may be long.
+    lengths.set_title("Lengths", pad=22.0)
+    name = forecast.loop.material.name
+    told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
+    told += [uncertainty_sentence(name, forecast.uncertainty)]
+    if measured is not None:
+        told += [measured_sentence(measured), fitted_sentence(measured)]
+    foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
+    style.write_page(figure, f"Staircase of {name}", told, foot)
     return figure
 
 
@@ -73,7 +58,14 @@ def forecast_sentence(forecast: StaircaseForecast) -> str:
     noise = f"With {angle(forecast.noise.sigma)} of noise a cycle"
     if not prediction.zones or prediction.step is None:
         return f"{noise} θ0 rests nowhere: it moves {angle(prediction.mean_turn, 2)} a cycle on average."
-    rests = [_zone_clause(*pair) for pair in zip(prediction.zones, forecast.log10_residences, strict=True)]
+    rests = []
+    for zone, log10 in zip(prediction.zones, forecast.log10_residences, strict=True):
+        stay = cycles(zone.residence_cycles)
+        if log10 is None:
+            stay = "longer than can be computed"
+        elif log10 > math.log10(LONGEST_STAY):
+            stay = f"10^{math.floor(log10)} cycles"
+        rests.append(f"{'near' if zone.kind == 'ghost' else 'at'} {angle(zone.centre)} for {stay}")
     climb = _pace_clause(prediction)
     fresh = "" if forecast.worn is None else " on the fresh surface"
     return f"{noise} θ0 rests{fresh} {' and '.join(rests)}; steps are {angle(prediction.step, 0)} high, {climb}."
@@ -116,15 +108,6 @@ def fitted_sentence(measured: MeasuredStaircase) -> str:
         if visit.predicted is not None and visit.mean is not None
     ]
     return f"The map fitted to them ({law}) predicts {', and '.join([steps, *visits])}."
-
-
-def _zone_clause(zone: SlowZone, log10: Estimate | None) -> str:
-    place = f"{'near' if zone.kind == 'ghost' else 'at'} {angle(zone.centre)}"
-    if log10 is None:
-        return f"{place} for longer than can be computed"
-    if log10 > math.log10(LONGEST_STAY):
-        return f"{place} for 10^{math.floor(log10)} cycles"
-    return f"{place} for {cycles(zone.residence_cycles)}"
 
 
 def _pace_clause(prediction: StaircaseSummary) -> str:
@@ -176,10 +159,8 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
 
 def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | None = None) -> None:
     """The dwells' lengths in order, arrows where they lasted longer than was seen; means beside the prediction."""
-    number_of = np.arange(1, steps.lengths.size + 1)
-    open_ended = steps.censored
+    number_of, whole, cut = np.arange(1, steps.lengths.size + 1), ~steps.censored, steps.censored
     look: dict[str, Any] = {"linestyle": "none", "markeredgecolor": MEASURED_EDGE, "zorder": 4}
-    whole, cut = ~open_ended, open_ended
     if not steps.lengths.size:
         style.say(axes, "no dwell")
     if whole.any():

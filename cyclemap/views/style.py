@@ -33,7 +33,6 @@ _SAVED: dict[str, dict[str, Any]] = {
     "pdf": {"metadata": {"CreationDate": None}},
     "svg": {"metadata": {"Date": None}},
 }
-PICTURE_FORMATS = tuple(_SAVED)
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
@@ -71,7 +70,7 @@ _STYLE: dict[Any, Any] = {
 # Measured places, of which there may be many.
 DOTS: dict[str, Any] = {"color": MEASURED, "markersize": 3.0, "alpha": 0.45, "linestyle": "none"}
 DOTS |= {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.3}
-THETA = "θ (°)"
+THETA, THETA0 = "θ (°)", "θ0, orientation before the push (°)"
 
 
 @contextmanager
@@ -89,10 +88,11 @@ def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
 
 
 def write_page(
-    figure: Figure, title: str, words: Iterable[str], foot: str = "", top: float = 0.928, letters: int = 175
-) -> None:
+    figure: Figure, title: str, words: Iterable[str], foot: str = "", top: float = 0.928, letters: int = 175,
+    size: float = 18.0,
+) -> None:  # fmt: skip
     """Write the title, the sentences below it (those that are empty left out), and what is small at the foot."""
-    figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+    figure.text(0.015, 0.955, title, fontsize=size, fontweight="bold", va="center")
     told = fill(" ".join(filter(None, words)), letters)
     figure.text(0.015, top, told, fontsize=10, va="top", linespacing=1.35)
     if foot:
@@ -110,8 +110,8 @@ def write_tall_page(figure: Figure, title: str, words: Iterable[str], foot: str,
 
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
-    if picture_format not in PICTURE_FORMATS:
-        raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}")
+    if picture_format not in _SAVED:
+        raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(_SAVED)}")
     for text in figure.findobj(Text):
         # A dollar sign in a name begins no formula; one that is escaped already stays so.
         text.set_text(re.sub(r"(?<!\\)\$", r"\$", typeset(printable(text.get_text()))))
@@ -121,7 +121,7 @@ def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes
     return buffer.getvalue()
 
 
-def degree_axis(axes: Axes, label: str) -> None:
+def degree_axis(axes: Axes, label: str = THETA0) -> None:
     """Make the x axis of `axes` one circle in degrees."""
     axes.set_xlim(0.0, 360.0)
     axes.set_xticks(range(0, 361, 45))

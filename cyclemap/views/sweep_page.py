@@ -16,6 +16,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Patch
+from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -64,52 +65,45 @@ _MOST_REASONS = 3
 _LONGEST_REASON = 160
 
 
+@style.picture_style()
 def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
-    panels = _panels(curves)[:MOST_PANELS]
-    with style.picture_style():
-        figure = style.new_figure(13.333, 6.6)
-        grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
-        for place, (title, draw) in enumerate(panels):
-            axes = figure.add_subplot(grid[0, place])
-            draw(axes)
-            if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
-                _draw_object(axes, sweep)
-            axes.set_title(title, pad=TITLE_PAD)
-        style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
-        figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
-    return figure
-
-
-def _draw_object(axes: Axes, sweep: Sweep) -> None:
-    """Round a plane of the ring's places, the object that the ring is set in, and MIT's ring where it is MIT's."""
-    settings = sweep.description["plan"]["settings"]
-    slider = apply_settings(CollectionLoop.mit(material="isotropic"), settings).slider
-    outline = MM * slider.outline.points(120)
-    axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
-    if slider.name in MIT_SHAPE_NAMES:
-        x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
-        axes.plot(x, y, "*", markersize=11, markerfacecolor=UNSTABLE, markeredgecolor=INK, zorder=6)
-        style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
-    window = np.array([axes.get_xlim(), axes.get_ylim()]).T
-    low, high = np.minimum(window[0], outline.min(axis=0) - 3.0), np.maximum(window[1], outline.max(axis=0) + 3.0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-
-
-def _panels(curves: SweptCurves) -> list[Panel]:
-    """Titles, which are meanings short of their remarks, and drawers; where fixed points are known they come first."""
-    first: list[Panel] = []
-    draw: Callable[..., None]
+    # Titles, which are meanings short of their remarks, and drawers; where fixed points are known they come first.
+    panels: list[Panel] = []
+    draw: Any
     if isinstance(curves, SweptLines):
-        draw, told = partial(draw_swept_line, swept=curves), curves.lines
+        draw, told = draw_swept_line, curves.lines
         if curves.points is not None:
-            first.append(("Fixed points", partial(draw_fixed_points, swept=curves)))
+            panels.append(("Fixed points", partial(draw_fixed_points, swept=curves)))
     elif isinstance(curves, SweptPlane):
-        draw, told = partial(draw_swept_plane, swept=curves), curves.planes
+        draw, told = draw_swept_plane, curves.planes
     else:
-        draw, told = partial(draw_swept_scatter, swept=curves), curves.values
-    titles = [one.meaning.partition(",")[0] for one, _ in told]
-    return first + [(f"{name[:1].upper()}{name[1:]}", partial(draw, index=at)) for at, name in enumerate(titles)]
+        draw, told = draw_swept_scatter, curves.values
+    for index, (one, _) in enumerate(told):
+        name = one.meaning.partition(",")[0]
+        panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
+    panels = panels[:MOST_PANELS]
+    figure = style.new_figure(13.333, 6.6)
+    grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
+    for place, (title, draw) in enumerate(panels):
+        axes = figure.add_subplot(grid[0, place])
+        draw(axes)
+        if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+            # The object that the ring is set in, and MIT's ring where it is MIT's.
+            slider = apply_settings(CollectionLoop.mit("isotropic"), sweep.description["plan"]["settings"]).slider
+            outline = MM * slider.outline.points(120)
+            axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
+            if slider.name in MIT_SHAPE_NAMES:
+                x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
+                axes.plot(x, y, "*", markersize=11, markerfacecolor=UNSTABLE, markeredgecolor=INK, zorder=6)
+                style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+            low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+            low, high = np.minimum(low, outline.min(axis=0) - 3.0), np.maximum(high, outline.max(axis=0) + 3.0)
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axes.set_title(title, pad=TITLE_PAD)
+    style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
+    figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
+    return figure
 
 
 def key_words(key: str) -> str:
@@ -149,11 +143,11 @@ def quantity_label(quantity: Quantity) -> str:
 def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
     """One quantity over two keys, by colour; locked regions outlined, refused points crossed out."""
     quantity, values = swept.planes[index]
+    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
     if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
         plane = without_specks(swept.rotation)
         draw_rotation_plane(axes, plane, key_label(swept.first.key), key_label(swept.second.key))
     else:
-        first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
         look, ticks = _shades(values)
         mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
         _add_scale(axes, mesh, quantity, ticks)
@@ -161,7 +155,14 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
         axes.set_xlim(float(first.min()), float(first.max()))
         axes.set_ylim(float(second.min()), float(second.max()))
         axes.grid(visible=False)
-    _cross_out(axes, swept)
+    if swept.refused.any():
+        # Crosses over the cells of points that were refused.
+        for column in np.flatnonzero(swept.refused.any(axis=0)).tolist():
+            rows = np.flatnonzero(swept.refused[:, column])
+            runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
+            axes.broken_barh(runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2)
+        told = axes.get_legend_handles_labels()[0]
+        style.legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
     _name_ticks(axes.xaxis, swept.first)
     _name_ticks(axes.yaxis, swept.second)
 
@@ -173,17 +174,10 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
     """
     if min(plane.period.shape) < _FINE_PLANE:
         return plane
-    ratio = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan)
-    # Which cells are one of two by two that are equal.
-    along = ratio[1:] == ratio[:-1]
-    block = along[:, 1:] & along[:, :-1] & (ratio[1:, 1:] == ratio[1:, :-1])
-    found = np.zeros(ratio.shape, dtype=bool)
-    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
-        part |= block
-    wide = np.pad(np.where(found, ratio, np.nan), 1, constant_values=np.nan)
-    rows, columns = ratio.shape
-    touched = [wide[i : i + rows, j : j + columns] == ratio for i in range(3) for j in range(3)]
-    kept = np.logical_or.reduce(touched)
+    ratio, kept = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan), plane.period < 0
+    for one in np.unique(ratio[plane.period > 0]):
+        wide = binary_opening(ratio == one, np.ones((2, 2)))
+        kept |= (ratio == one) & binary_dilation(wide, np.ones((3, 3)))
     return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
 
 
@@ -205,19 +199,6 @@ def _add_scale(axes: Axes, drawn: ScalarMappable, quantity: Quantity, ticks: Arr
     bar = axes.get_figure(root=True).colorbar(drawn, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
     if ticks is not None:
         bar.set_ticks(ticks.tolist())
-
-
-def _cross_out(axes: Axes, swept: SweptPlane) -> None:
-    """Crosses over the cells of points that were refused."""
-    if not swept.refused.any():
-        return
-    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
-    for column in np.flatnonzero(swept.refused.any(axis=0)).tolist():
-        rows = np.flatnonzero(swept.refused[:, column])
-        runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
-        axes.broken_barh(runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2)
-    told = axes.get_legend_handles_labels()[0]
-    style.legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
 
 
 def _name_ticks(side: Axis, axis: SweepAxis) -> None:
@@ -326,7 +307,18 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
     """How much is done, the share that is proved to lock and to what, the stable directions, and the refusals."""
     total = math.prod(sweep.shape) if sweep.axes else int(sweep.description["count"])
     whole = f"{len(sweep)} points" if len(sweep) == total else f"{len(sweep)} of {total} points"
-    told = [f"{whole} over {_swept(sweep)}."]
+    if sweep.axes:
+        swept = ", ".join(axis_words(axis) for axis in sweep.axes)
+    else:
+        sample = sweep.description["plan"]["points"]
+        ranges = (
+            f"{key_words(key)} {ends['low']:g} to {ends['high']:g}"
+            if isinstance(ends, dict)
+            else f"{key_words(key)} {', '.join(map(str, ends))}"
+            for key, ends in sample.get("ranges", {}).items()
+        )
+        swept = f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"
+    told = [f"{whole} over {swept}."]
     if "locked_period" in sweep.columns:
         period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
         pairs = zip(winding[period > 0].tolist(), period[period > 0].tolist(), strict=True)
@@ -355,16 +347,3 @@ def settings_line(sweep: Sweep) -> str:
     pace = asked.get("rotation_tolerance", 0.0)
     turns = f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.columns else ""
     return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)
-
-
-def _swept(sweep: Sweep) -> str:
-    if sweep.axes:
-        return ", ".join(axis_words(axis) for axis in sweep.axes)
-    sample = sweep.description["plan"]["points"]
-    ranges = (
-        f"{key_words(key)} {ends['low']:g} to {ends['high']:g}"
-        if isinstance(ends, dict)
-        else f"{key_words(key)} {', '.join(map(str, ends))}"
-        for key, ends in sample.get("ranges", {}).items()
-    )
-    return f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"

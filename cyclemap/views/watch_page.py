@@ -19,36 +19,36 @@ from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED,
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
 
+@style.picture_style()
 def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -> Figure:
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of its file."""
     last = reports[-1]
-    with style.picture_style():
-        figure = style.new_figure()
-        edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
-        grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
-        draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
-        axes = figure.add_subplot(grid[1, 0])
-        rest, visits = ([getattr(one, name) for one in reports] for name in ("rest_evidence", "visit_evidence"))
-        axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
-        axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
-        axes.axhline(
-            last.threshold, color=FORCE, linewidth=1.2, linestyle="--", label=f"alarm, rate {monitor.alarm_rate:g}"
-        )
-        if last.alarm is not None:
-            axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
-        # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any bound.
-        highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
-        axes.set_yscale("symlog", linthresh=3.0)
-        axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence")
-        axes.yaxis.set_major_locator(FixedLocator([power for power in _DECADES if power <= 1.3 * highest]))
-        axes.yaxis.set_minor_locator(NullLocator())
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-        _push_axis(axes, len(reports))
-        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
-        draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
-        title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
-        foot = "chance of an alarm, however long the collection, where no orientation lingers:"
-        style.write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
+    figure = style.new_figure()
+    edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
+    grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
+    draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
+    axes = figure.add_subplot(grid[1, 0])
+    rest, visits = ([getattr(one, name) for one in reports] for name in ("rest_evidence", "visit_evidence"))
+    axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
+    axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
+    axes.axhline(
+        last.threshold, color=FORCE, linewidth=1.2, linestyle="--", label=f"alarm, rate {monitor.alarm_rate:g}"
+    )
+    if last.alarm is not None:
+        axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
+    # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any bound.
+    highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
+    axes.set_yscale("symlog", linthresh=3.0)
+    axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence")
+    axes.yaxis.set_major_locator(FixedLocator([power for power in _DECADES if power <= 1.3 * highest]))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
+    _push_axis(axes, len(reports))
+    draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
+    draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
+    title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
+    foot = "chance of an alarm, however long the collection, where no orientation lingers:"
+    style.write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
     return figure
 
 
@@ -62,7 +62,7 @@ def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
             axes.axhline(np.degrees(direction), color=FORCE, linewidth=1.0, linestyle="--", zorder=1)
         label = f"alarm at push {last.alarm.push}, towards {', '.join(map(angle, last.alarm.directions))}"
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6, label=label, zorder=3)
-    axes.set(ylabel="θ0, orientation before the push (°)", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
+    axes.set(ylabel=style.THETA0, ylim=(0.0, 360.0), yticks=range(0, 361, 90))
     axes.set_title("Orientations")
     _push_axis(axes, len(theta))
 

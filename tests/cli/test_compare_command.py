@@ -8,7 +8,7 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
-from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+from cyclemap.maps import CircleMap
 
 KEYS = ["prediction", "data", "pushes", "ends_off", "cycle", "orientations", "directions", "staircase"]
 KEYS += ["verdicts", "uncertified"]
@@ -17,18 +17,14 @@ COMPARE = ["compare", "plywood", "--runs", "19", "--data"]
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder; few simulated collections for what takes longest; a loop whose map is at hand."""
+def here(tmp_path, monkeypatch, theta0_file, sine_path) -> Path:
+    """A folder of measured orientations; few simulated collections for what takes longest; a map at hand."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("cyclemap.evidence.comparison.compare.MOST_DETAILED", 19)
     given = CircleMap.arnold(0.11, 0.6)
     monkeypatch.setattr(CollectionLoop, "circle_map", lambda self, tolerance=1e-6, progress=None: given)
+    theta0_file(tmp_path / "measured.csv", sine_path(0.1, 120))
     return tmp_path
-
-
-def orientations() -> str:
-    path = sample_staircase(CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1), 120, seed=1).theta
-    return "theta0_deg\n" + "".join(f"{math.degrees(theta) % 360:.4f}\n" for theta in path)
 
 
 def poses() -> str:
@@ -43,7 +39,6 @@ def poses() -> str:
 
 @pytest.mark.slow
 def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, assert_written) -> None:
-    (here / "measured.csv").write_text(orientations())
     told = ["--set", "noise_deg=5.7", "--first", "20", "--json", "-", "--out", "pictures"]
     assert run([*COMPARE, "measured.csv", *told]) == 0
     report, text = printed()
@@ -53,10 +48,9 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, as
     assert report["data"] == {"cycles": 100, "left_out": {"among the first": 20}, "unreadable_files": 0}
     assert report["pushes"] == []
     assert report["cycle"]["rms_deg"] == pytest.approx(math.degrees(0.1), rel=0.3)
-    assert 0.05 <= report["orientations"]["watson"]["p_value"] <= 1.0
     histogram = report["orientations"]["histogram"]
-    assert 5.0 * sum(histogram["measured_per_deg"]) == pytest.approx(1.0)
-    assert 5.0 * sum(histogram["predicted_per_deg"]) == pytest.approx(1.0)
+    for whose in ("measured_per_deg", "predicted_per_deg"):
+        assert 5.0 * sum(histogram[whose]) == pytest.approx(1.0)
     assert len(report["directions"]["predicted"]) == 1
     assert report["staircase"]["turns"]["lower"] <= report["staircase"]["turns"]["upper"]
     assert all({"question", "agrees", "words"} == set(one) for one in report["verdicts"])
@@ -76,7 +70,6 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, as
     ],
 )
 def test_bad_use_is_one_line_and_exit_2(here, refused, arguments, told) -> None:
-    (here / "measured.csv").write_text(orientations())
     refused(["compare", *arguments, "--data", "measured.csv"], told)
 
 
@@ -89,35 +82,3 @@ def test_what_the_data_do_not_hold_is_refused_and_a_length_can_be_said(here, ref
     assert run([*COMPARE, "poses.csv", "--set", "push_mm=150", "--json", "-"]) == 0
     (pushes,) = printed()[0]["pushes"]
     assert pushes["push_mm"] == pytest.approx(150.0) and pushes["dx_mm"]["rmse"] < 1e-3
-
-
-def test_damaged_data_are_one_line_and_no_traceback(here, capsys) -> None:
-    """Data that are none, cut short, of the wrong kind, or hold what no push can."""
-    good, pushes = orientations(), poses()
-    (here / "empty").mkdir()
-    (here / "cut").mkdir()
-    files = {
-        "header.csv": "theta0_deg\n",
-        "nothing.csv": "",
-        "one.csv": "theta0_deg\n12.0\n",
-        "word.csv": good.replace("\n", "\nhalf\n", 1),
-        "nan.csv": good + "nan\n",
-        "columns.csv": "a,b\n1,2\n",
-        "pose_text.csv": pushes.replace("rect1,0,0.7,0,150,0,0", "rect1,0,0.7,0,150,zero,0", 1),
-        "pose_far.csv": pushes.replace("rect1,0,0.7,0,150,0,0", "rect1,0,0.7,0,150,1e9,0", 1),
-        "pose_short.csv": pushes[:-20].rsplit(",", 2)[0],
-        "other.csv": pushes.replace("plywood", "abs"),
-        "text.h5": "not HDF5",
-        "data.txt": good,
-        "cut/push.json": '{"object_pose": [[0, 0,',
-        "list.json": "[1, 2, 3]",
-    }
-    for name, text in files.items():
-        (here / name).write_text(text)
-    (here / "bytes.csv").write_bytes(b"\xff\xfe\x00theta0_deg\n1\n")
-    for path in (*files, "bytes.csv", "empty", "cut", "missing.csv", "missing"):
-        code = run([*COMPARE, path])
-        shown = capsys.readouterr()
-        assert code in (1, 2), path
-        assert shown.err.startswith("error: ") and len(shown.err.splitlines()) == 1, path
-    assert not (here / "out").exists()

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from cyclemap.cli import command_doctor
+from cyclemap.cli import run_doctor
 from cyclemap.cli.main import run
 from cyclemap.errors import EngineNotBuilt
 from cyclemap.mechanics.engine import library
@@ -32,8 +32,8 @@ def no_engine():
 @pytest.mark.parametrize(
     ("place", "name", "broken", "problem"),
     [
-        (command_doctor, "reference_error", lambda: 1.0, "turns in MIT's loop are"),
-        (command_doctor, "reference_error", lambda: float("nan"), "turns in MIT's loop are"),
+        (run_doctor, "reference_error", lambda: 1.0, "turns in MIT's loop are"),
+        (run_doctor, "reference_error", lambda: float("nan"), "turns in MIT's loop are"),
         (library, "load", no_engine, "the compiled engine is missing: build it"),
     ],
 )

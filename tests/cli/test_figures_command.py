@@ -24,12 +24,8 @@ def here(tmp_path, monkeypatch) -> Path:
     """An empty current folder, and quick exhibits in place of four slow ones."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("CYCLEMAP_DATA", raising=False)
-    quick = {
-        "staircases": _figure(),
-        "table-friction": _table(),
-        "locking-in": _animation(),
-        "fingerprint": _figure(fails=True),
-    }
+    quick = {"staircases": _figure(), "table-friction": _table(), "locking-in": _animation()}
+    quick["fingerprint"] = _figure(fails=True)
     monkeypatch.setattr(command, "load_exhibit", quick.__getitem__)
     return tmp_path
 

@@ -62,21 +62,15 @@ def test_json_tells_the_friction_within_its_intervals_and_the_material_loads(her
     for name, one in told.items():
         slack = one["upper"] - one["lower"]
         assert one["lower"] - 0.5 * slack < truth[name] < one["upper"] + 0.5 * slack and slack < 0.2
-    derived = {one["name"]: one for one in report["derived"]}
-    assert derived["axis_direction"]["unit"] == "deg"
-    assert derived["axis_direction"]["lower"] < math.degrees(0.6) < derived["axis_direction"]["upper"]
+    direction = next(one for one in report["derived"] if one["name"] == "axis_direction")
+    assert direction["unit"] == "deg" and direction["lower"] < math.degrees(0.6) < direction["upper"]
     turn = next(one for one in report["errors"] if one["kind"] == "push turn")
     assert (turn["unit"], turn["rows"]) == ("deg", 8) and 0.0 < turn["rms"] < turn["left_out_rms"] < 2.0
-    assert report["held"]["pusher_friction"] == 0.15
-    assert sorted(path.name for path in (here / "results").iterdir()) == [
-        "identify_slate-identified.json",
-        "identify_slate-identified.png",
-        "slate-identified.toml",
-    ]
+    names = ["identify_slate-identified.json", "identify_slate-identified.png", "slate-identified.toml"]
+    assert sorted(path.name for path in (here / "results").iterdir()) == names
     material = load_material(here / "results" / "slate-identified.toml")
-    assert material.inferred and material.found_with.pusher_friction == 0.15
+    assert material.inferred and material.found_with.pusher_friction == report["held"]["pusher_friction"] == 0.15
     assert material.friction.phi == pytest.approx(math.radians(report["friction"]["phi_deg"]))
-    assert "push ends (24 values) in ends.csv" in material.provenance and "isotropic" in material.misfit
 
 
 @pytest.mark.slow

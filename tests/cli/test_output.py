@@ -13,7 +13,7 @@ from rich.table import Table
 from cyclemap.cli import output
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.main import cli, run
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar
 from cyclemap.text_files import write_whole
 
 
@@ -33,9 +33,9 @@ def test_a_written_file_is_whole_readable_and_alone_and_stays_where_the_next_wri
     assert [entry.name for entry in path.parent.iterdir()] == ["picture.png"]
 
 
-def test_json_refuses_numbers_that_are_not_finite_and_file_stems_are_plain(tmp_path) -> None:
+def test_json_refuses_numbers_that_are_not_finite_and_file_stems_are_plain() -> None:
     with pytest.raises(ValueError, match="JSON"):
-        write_json(tmp_path / "x.json", {"value": float("nan")})
+        json_text({"value": float("nan")})
     assert json_text({"θ": 1.5}) == '{\n  "θ": 1.5\n}\n'
     assert [file_stem(name) for name in ("plywood", "../a b", "Ω/2")] == ["plywood", "a_b", "Ω_2"]
 
@@ -117,13 +117,11 @@ def test_a_table_wider_than_the_terminal_is_told_row_by_row() -> None:
     assert "┃" in told(100) and "number:" not in told(100)
 
 
-def test_quiet_says_nothing_and_does_the_same(tmp_path, monkeypatch, capsys) -> None:
+def test_quiet_says_nothing_and_does_the_same(here, capsys) -> None:
     """--quiet leaves both streams empty, keeps the results and their JSON, and still tells errors."""
-    monkeypatch.chdir(tmp_path)
     assert run(["fingerprint", "plywood", "--quiet"]) == 0
-    shown = capsys.readouterr()
-    assert (shown.out, shown.err) == ("", "")
-    assert (tmp_path / "out" / "fingerprint_plywood.png").is_file()
+    assert capsys.readouterr() == ("", "")
+    assert (here / "out" / "fingerprint_plywood.png").is_file()
     assert run(["cycle", "plywood", "--theta0-deg", "0", "--quiet", "--json", "-"]) == 0
     assert '"cycles"' in capsys.readouterr().out
     assert run(["cycle", "no-such-material", "--quiet"]) == 2

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli import run_sweep as module
-from cyclemap.cli.commands import sweep_command
+from cyclemap.cli.commands import cli
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.resets import ResetStrategy, legs, write_protocol
@@ -53,8 +53,8 @@ def fake(monkeypatch):
 
 
 def sweep(*arguments: str) -> None:
-    with sweep_command.make_context("sweep", list(arguments)) as context:
-        sweep_command.invoke(context)
+    with cli.commands["sweep"].make_context("sweep", list(arguments)) as context:
+        cli.commands["sweep"].invoke(context)
 
 
 @pytest.mark.slow
@@ -79,7 +79,7 @@ def test_a_plane_is_stored_drawn_exported_and_told_and_not_computed_again(here, 
 def test_json_tells_every_point_and_nothing_else(here, printed, fake) -> None:
     sweep("plywood", *PLANE, "--json", "-")
     report, _ = printed()
-    assert (report["points"], report["stored"], report["refused"], report["complete"]) == (10, 10, 1, True)
+    assert [report[key] for key in ("points", "stored", "refused", "complete")] == [10, 10, 1, True]
     assert report["over"]["axes"] == {"hitch_x_mm": [-12.0, -9.0, -6.0, -3.0, 0.0], "mu_a": [0.2, 0.3]}
     assert report["units"]["fixed_point_theta_deg"] == "degree"
     first, last = report["results"][0], report["results"][-1]

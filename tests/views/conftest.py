@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -10,18 +9,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from cyclemap.collection import Portrait, portrait
-from cyclemap.collection.portrait_curves import PortraitCurves, portrait_curves
-from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay
-from cyclemap.maps import CircleMap
+from cyclemap.collection.portrait_curves import portrait_curves
+from cyclemap.evidence import Theta0Pairs, measured_overlay
+from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views.portrait_page import portrait_page
-
-
-@dataclass(frozen=True)
-class Drawn:
-    portrait: Portrait
-    curves: PortraitCurves
-    measured: MeasuredOverlay | None
-    page: Figure
 
 
 def sawtooth() -> CircleMap:
@@ -36,25 +27,16 @@ def sawtooth() -> CircleMap:
 MAPS = {"locked": CircleMap.arnold(0.01, 0.2), "rotating": CircleMap.arnold(0.02, 0.1), "jumping": sawtooth()}
 
 
-def staircase_pairs(circle_map: CircleMap) -> Theta0Pairs:
-    random = np.random.default_rng(5)
-    path = [1.0]
-    for _ in range(300):
-        path.append(float(circle_map(path[-1])) + 0.02 * random.standard_normal())
-    theta = np.array(path)
-    return Theta0Pairs(theta[:-1], theta[1:], theta)
-
-
 @pytest.fixture(scope="session")
-def drawn(loop_of) -> Callable[..., Drawn]:
-    """Draw the page of one of the maps, with or without data."""
+def drawn(loop_of) -> Callable[..., tuple[Portrait, Figure]]:
+    """The portrait of one of the maps and its page, with or without data."""
 
     @cache
-    def draw(kind: str, data: bool = False) -> Drawn:
+    def draw(kind: str, data: bool = False) -> tuple[Portrait, Figure]:
         found = portrait(loop_of(MAPS[kind]), cycles=200)
-        curves = portrait_curves(found)
-        measured = measured_overlay(staircase_pairs(MAPS[kind]), found.map.turn) if data else None
-        return Drawn(found, curves, measured, portrait_page(found, curves, measured))
+        theta = sample_staircase(MAPS[kind], WrappedNormal(0.02), 300, 1.0, seed=5).theta
+        measured = measured_overlay(Theta0Pairs(theta[:-1], theta[1:], theta), found.map.turn) if data else None
+        return found, portrait_page(found, portrait_curves(found), measured)
 
     return draw
 

@@ -1,7 +1,6 @@
 """What the tests of the panels share: an empty panel, its picture, and its artists picked by how they look."""
 
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
 from cyclemap.views import style
@@ -37,9 +36,3 @@ def labelled(axes: Axes, start: str) -> Line2D:
     found = [line for line in axes.lines if str(line.get_label()).startswith(start)]
     assert len(found) == 1, f"{len(found)} lines are labelled {start!r}"
     return found[0]
-
-
-def faces(axes: Axes, marker: str = "o") -> list[tuple[str, str, int]]:
-    """(colour of the markers' faces, fill style, number of markers) of every line with this marker and points."""
-    lines = [line for line in axes.lines if line.get_marker() == marker and len(line.get_xdata())]
-    return [(to_hex(line.get_markerfacecolor()), line.get_fillstyle(), len(line.get_xdata())) for line in lines]

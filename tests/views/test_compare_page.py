@@ -13,7 +13,6 @@ from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import compare_page as sentences
 from cyclemap.views.compare_page import compare_page, residual_page
-from cyclemap.views.style import render
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
 FACTS = {"surface": "plywood", "object": "rect1", "speed": 0.02, "side": 0.0, "fraction": 0.7, "angle": 0.0}
@@ -36,38 +35,28 @@ def found() -> Comparison:
     return replace(plain, pushes=(made_pushes(),))
 
 
-def test_a_page_shows_the_map_the_histogram_the_staircase_and_the_pushes(found) -> None:
-    page = compare_page("sine", found, turn_curve(SINE))
-    panels, titles = page.axes, ["Cycle map", "Directions", "Staircase", "Δθ", "Δx", "Δy"]
-    assert [axes.get_title(loc="left").split(":")[0] for axes in panels] == titles
-    paths = {line.get_label(): line.get_ydata() for line in panels[2].lines}
-    assert np.allclose(paths["measured"], np.degrees(found.data.pairs.path))
-    assert np.allclose(paths["predicted"], np.degrees(found.staircase.run))
-    drawn = {line.get_label(): line.get_ydata() for line in panels[4].lines}
-    assert np.allclose(drawn["measured"], 1000 * found.pushes[0].measured[:, 1])
-    assert np.allclose(drawn["predicted"], 40.0)
-    assert all("(°)" in axes.get_xlabel() for axes in (*panels[:2], *panels[3:]))
-    assert_words_apart(page)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("parts", "panels"), [("cycles", 3), ("pushes", 3), ("many sets", 3), ("unordered", 6)])
-def test_what_is_missing_is_left_out_and_many_sets_are_drawn_measured_over_predicted(found, parts, panels) -> None:
+@pytest.mark.parametrize(
+    ("parts", "titles"),
+    [
+        ("all", ["Cycle map", "Directions", "Staircase", "Δθ", "Δx", "Δy"]),
+        ("cycles", ["Cycle map", "Directions", "Staircase"]),
+        ("pushes", ["Δθ", "Δx", "Δy"]),
+        ("many sets", ["Δθ", "Δx", "Δy"]),
+        ("unordered", ["Cycle map", "Directions", "Staircase", "Δθ", "Δx", "Δy"]),
+    ],
+)
+def test_a_page_has_a_panel_for_what_is_there_and_its_words_lie_apart(found, parts, titles) -> None:
     of_cycles = {"cycle": None, "orientations": None, "directions": None, "staircase": None}
     shown = {
+        "all": {},
         "cycles": {"pushes": ()},
         "pushes": of_cycles,
         "many sets": {"pushes": (made_pushes(),) * 4, **of_cycles},
         "unordered": {"orientations": None, "staircase": None},
     }[parts]
     page = compare_page("sine", replace(found, **shown), turn_curve(SINE))
-    assert len(page.axes) == panels
-    assert render(page, "png", 40).startswith(b"\x89PNG")
-    if parts == "many sets":
-        dots = [line for line in page.axes[2].lines if line.get_marker() == "o"]
-        assert len(dots) == 4
-        assert np.allclose(dots[0].get_xdata(), 1000 * found.pushes[0].predicted[:, 2])
-        assert np.allclose(dots[0].get_ydata(), 1000 * found.pushes[0].measured[:, 2])
+    assert [axes.get_title(loc="left").split(":")[0] for axes in page.axes] == titles
+    assert_words_apart(page)
 
 
 def test_the_sentences_count_the_answers_and_name_what_was_left_out(found) -> None:

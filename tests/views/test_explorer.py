@@ -27,9 +27,6 @@ from cyclemap.views.explorer.server import LONGEST_BODY, ExplorerServer
 SIGMA = math.radians(1.1)
 
 
-# -- answers ------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 def test_what_is_drawn_while_a_slider_moves_is_near_what_is_drawn_when_it_rests() -> None:
     loop = cm.CollectionLoop.mit(material="plywood")
@@ -52,10 +49,9 @@ def test_the_exact_answer_is_the_portrait() -> None:
     assert answer["may_lie"] == [[round(math.degrees(end), 2) for end in (one.lower, one.upper)] for one in known]
     stable = next(one["theta_deg"] for one in answer["fixed_points"] if one["stable"])
     assert any(low <= stable <= high for low, high in answer["may_lie"])
-    for now, after, course in zip(answer["orbit"], answer["orbit"][1:], answer["courses"], strict=False):
+    for now, after, (push, drag) in zip(answer["orbit"], answer["orbit"][1:], answer["courses"], strict=False):
         cycle = loop.cycle(math.radians(now))
         assert after == pytest.approx(math.degrees(cycle.theta_next), abs=1e-3)
-        push, drag = course
         assert push[-1][:3] == drag[0][:3]
         assert math.hypot(*drag[-1][3:]) < 1e-2, "the rod ends at the target"
         assert push[-1][2] - push[0][2] == pytest.approx(math.degrees(cycle.push_turn), abs=0.02)
@@ -70,9 +66,6 @@ def test_distribution_of_cells_is_that_of_the_transfer_operator(sigma_deg) -> No
     assert found.mean() == pytest.approx(1.0, abs=1e-9)
     assert 0.5 * np.abs(found - true).mean() < 0.01
     assert cell_density(cm.CircleMap.rigid(0.1234), noise) == pytest.approx(1.0, abs=1e-9)
-
-
-# -- sliders ------------------------------------------------------------------------------------------------------
 
 
 def test_copied_command_and_saved_protocol_are_the_loop_of_the_page(tmp_path) -> None:
@@ -99,15 +92,11 @@ def test_sliders_stand_where_the_loop_is_and_reach_as_far() -> None:
     assert same.loop.cycle(1.0).theta_next == pytest.approx(start.loop.cycle(1.0).theta_next, abs=1e-7)
     disc = explored(("abs",), "abs", {"shape": "ellip1"})
     assert {"side", "corner_share"}.isdisjoint(one["key"] for one in disc.controls())
-
-
-def test_the_noise_slider_stands_at_the_noise_that_is_used() -> None:
-    """A material with a noise of its own is drawn with that, not with the usual 1.1 degrees."""
+    # A material with a noise of its own is drawn with that, not with the usual 1.1 degrees.
     start = explored(("plywood-measured",), "plywood-measured", {})
     (noise,) = (one["value"] for one in start.controls() if one["key"] == "noise_deg")
     used = noises_of(start.loop, start.loop.circle_map(), None)[0].sigma
-    assert noise == pytest.approx(math.degrees(used), rel=0.02)
-    assert noise < 0.8
+    assert noise == pytest.approx(math.degrees(used), rel=0.02) and noise < 0.8
 
 
 @pytest.mark.parametrize(
@@ -124,9 +113,6 @@ def test_the_noise_slider_stands_at_the_noise_that_is_used() -> None:
 def test_what_no_slider_can_mean_is_refused_by_name(moved, said) -> None:
     with pytest.raises(cm.InvalidInput, match=said):
         explored(("plywood",), "plywood", {}).moved(moved)
-
-
-# -- server -------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -148,14 +134,9 @@ def server():
 
 def request(server, path="/api/echo", body=b'{"a": 1}', **changed):
     """The status and body of a POST as the page sends it, with headers changed (None: left out)."""
-    headers = {
-        "Host": server.origin[7:],
-        "Origin": server.origin,
-        "X-Token": server.token,
-        "Content-Type": "application/json",
-        "Content-Length": str(len(body)),
-    }
-    headers.update({name.replace("_", "-"): value for name, value in changed.items()})
+    headers = {"Host": server.origin[7:], "Origin": server.origin, "X-Token": server.token}
+    headers |= {"Content-Type": "application/json", "Content-Length": str(len(body))}
+    headers |= {name.replace("_", "-"): value for name, value in changed.items()}
     with closing(HTTPConnection(*server.server_address, timeout=20)) as connection:
         connection.putrequest("POST", path, skip_host=True)
         for name, value in headers.items():
@@ -208,10 +189,8 @@ def test_only_the_pages_own_files_are_served(server, path) -> None:
 def test_the_page_lets_no_other_script_in_and_no_other_machine_reaches_it(server) -> None:
     with urllib.request.urlopen(server.origin) as page:
         policy, text = page.headers["Content-Security-Policy"], page.read().decode()
-    assert "default-src 'none'" in policy
-    assert "unsafe" not in policy
-    assert "<script>" not in text
-    assert server.token not in text
+    assert "default-src 'none'" in policy and "unsafe" not in policy
+    assert "<script>" not in text and server.token not in text
     assert server.server_address[0] == "127.0.0.1"
 
 
@@ -220,9 +199,8 @@ def test_an_overtaken_request_is_given_up(server) -> None:
     replies = {}
 
     def send(number):
-        replies[number] = json.loads(
-            request(server, "/api/slow", json.dumps({"page": "p", "number": number}).encode())[1]
-        )
+        body = json.dumps({"page": "p", "number": number}).encode()
+        replies[number] = json.loads(request(server, "/api/slow", body)[1])
 
     threads = [threading.Thread(target=send, args=(number,)) for number in (1, 2, 3)]
     threads[0].start()
@@ -243,9 +221,6 @@ def test_a_browser_that_goes_away_leaves_the_server_at_work(server) -> None:
         with socket.create_connection(server.server_address) as cut:
             cut.sendall(b"POST /api/echo HTTP/1.1\r\n")
     assert request(server)[0] == 200
-
-
-# -- the command and its page ---------------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from drawn_panels import faces, labelled, legend_words, panel, png
+from drawn_words import assert_words_apart
 
 from cyclemap.collection import Anisotropy, Fingerprint, Prediction, PredictionCheck, TurnResponse
 from cyclemap.collection.fingerprint_prediction import CheckedDirection
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.views import fingerprint_page as sentences
-from cyclemap.views.fingerprint_page import draw_prediction, fingerprint_page
-from cyclemap.views.style import PREDICTED, render
+from cyclemap.views.fingerprint_page import fingerprint_page
 
 PUSH = TurnResponse(1.2, [0.3, 0.1, 0.2, -0.4], np.zeros((4, 4)))
 DRAG = TurnResponse(-1.1, [1.5, -0.6, 0.9, 1.0], 0.4 * np.eye(4))
@@ -29,45 +28,24 @@ def checked(prediction: Prediction) -> PredictionCheck:
     return PredictionCheck(full, points, tuple(CheckedDirection(one, orbit, 0.01) for one, orbit in pairs))
 
 
-def test_the_prediction_is_drawn_with_its_error_its_directions_and_the_full_map() -> None:
-    axes = panel(8.0, 5.0)
-    draw_prediction(axes, LOCKED, checked(LOCKED).map)
-    assert legend_words(axes) == ["its error", "first order", "second order", "full map"]
-    degrees, turn = labelled(axes, "first order").get_data()
-    angles = np.radians(degrees)
-    assert turn == pytest.approx(np.degrees(LOCKED.turn(angles)))
-    (band,) = axes.collections
-    edge = band.get_paths()[0].vertices
-    assert edge[:, 1].max() == pytest.approx(np.degrees(LOCKED.turn(angles) + LOCKED.turn_error(angles)).max())
-    assert len(faces(axes)) == 2 and {face for face, _, _ in faces(axes)} == {PREDICTED, "#ffffff"}
-    assert [text.get_text().split()[1] for text in axes.texts] == [
-        "stable" if direction.stable else "unstable" for direction in LOCKED.directions
-    ]
-    png(axes)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("prediction", "panels", "title"),
-    [
-        (None, 2, "Fingerprint of the protocol"),
-        (LOCKED, 3, "Fingerprint of the protocol, on wood"),
-        (DRIFTING, 3, "wood"),
-    ],
-)
-def test_the_page_holds_the_numbers_and_the_sentences(prediction, panels, title) -> None:
+@pytest.mark.parametrize(("prediction", "panels"), [(None, 2), (LOCKED, 3), (DRIFTING, 3)])
+def test_the_page_holds_the_numbers_and_the_sentences(prediction, panels) -> None:
     page = fingerprint_page(FOUND, prediction, checked(LOCKED) if prediction is LOCKED else None, "wood")
     assert len(page.axes) == panels
     words = [text.get_text().replace("\n", " ") for text in page.texts]
-    assert title in words[0] and sentences.protocol_sentence(FOUND) in words[1]
+    assert words[0] == "Fingerprint of the protocol" + ", on wood" * (prediction is not None)
+    assert sentences.protocol_sentence(FOUND) in words[1]
     assert all(number in words[-1] for number in sentences.five_numbers(FOUND.cycle))
     if prediction is LOCKED:
         assert "The full map locks into" in words[1]
         assert "The prediction is 0.6° off, within its error." in words[1]
+    assert_words_apart(page)
+
+
+def test_a_full_map_without_a_stable_direction_is_told() -> None:
     nothing = tuple(CheckedDirection(direction, None, math.inf) for direction in LOCKED.directions)
-    found = PredictionCheck(CircleMap.rigid(0.1), (), nothing)
-    assert sentences.check_sentence(found) == "The full map has no stable direction."
-    assert render(page, "png", 60).startswith(b"\x89PNG")
+    told = sentences.check_sentence(PredictionCheck(CircleMap.rigid(0.1), (), nothing))
+    assert told == "The full map has no stable direction."
 
 
 def test_sentences_tell_locking_drifting_and_distrust() -> None:

@@ -5,6 +5,7 @@ import json
 import math
 import re
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -21,12 +22,8 @@ def theta0_file(tmp_path_factory):
     """A short staircase on plywood, with noise."""
     loop = cm.CollectionLoop.mit(material="plywood")
     run = cm.sample_staircase(loop.circle_map(1e-4), cm.WrappedNormal(math.radians(1.1)), 120, 0.5, 3)
-    path = tmp_path_factory.mktemp("data") / "mine.csv"
-    lines = [
-        f"{math.degrees(one):.6f},{math.degrees(after):.6f}"
-        for one, after in zip(run.theta, run.theta[1:], strict=False)
-    ]
-    path.write_text("theta0_deg,theta_next_deg\n" + "\n".join(lines) + "\n")
+    path, pairs = tmp_path_factory.mktemp("data") / "mine.csv", np.degrees(np.stack([run.theta[:-1], run.theta[1:]]))
+    np.savetxt(path, pairs.T, "%.6f", ",", header="theta0_deg,theta_next_deg", comments="")
     return path
 
 
@@ -56,17 +53,12 @@ def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(re
     ]
     assert len(data["rings"]) == RING_STEPS
     assert len(data["measured"]["theta"]) == len(theta0_file.read_text().splitlines()) - 1
-    shown = [
-        one["fixed_points"] for one in data["rings"] if 8.0 <= one["ring_mm"] <= 9.0 or 14.0 <= one["ring_mm"] <= 16.0
-    ]
-    assert {len(one) for one in shown} == {0, 2}, "the fixed points end in a saddle-node as the ring moves in"
-    assert "Recorded against predicted" in text
-    assert "cycles there is left as root mean square " in text
-    assert text.count("<figure><img") == 1
-    known = cm.portrait(loop, cycles=10).uncertainty
-    assert sentences.uncertainty_sentence("plywood", known) in html.unescape(text)
-    assert len(data["answer"]["may_lie"]) == len(known.directions) == 1
-    assert "SHA-256" in text
+    counts = {round(one["ring_mm"]): len(one["fixed_points"]) for one in data["rings"]}
+    assert counts[9] == 0 and counts[15] == 2, "the fixed points end in a saddle-node as the ring moves in"
+    known = sentences.uncertainty_sentence("plywood", cm.portrait(loop, cycles=10).uncertainty)
+    for part in (known, "Recorded against predicted", "cycles there is left as root mean square ", "SHA-256"):
+        assert part in html.unescape(text)
+    assert text.count("<figure><img") == len(data["answer"]["may_lie"]) == 1
 
 
 def test_report_lives_without_a_network(report, open_page) -> None:

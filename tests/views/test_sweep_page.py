@@ -6,8 +6,9 @@ import pytest
 from cyclemap.maps import RotationPlane
 from cyclemap.mechanics import MIT_HITCH
 from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
+from cyclemap.views.rotation_panels import cell_edges
 from cyclemap.views.style import render
-from cyclemap.views.sweep_page import cell_edges, key_label, sweep_page, sweep_sentences, without_specks
+from cyclemap.views.sweep_page import sweep_page, sweep_sentences, without_specks
 
 NUMBERS = PortraitNumbers(("rotation", "fixed_points"))
 WIDE = np.s_[3:20, 5:9]
@@ -59,30 +60,23 @@ def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
     figure = page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS)))
     rotation, stable = panels(figure)
     assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("friction μa", "ring x (mm)")
-    assert rotation.get_title(loc="left") == "Rotation number"
-    shades = stable.collections[0].get_array()
-    assert np.ma.filled(shades, -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
-    told = [[text.get_text() for text in axes.get_legend().get_texts()] for axes in (rotation, stable)]
-    assert told == [["refused"], ["refused"]]
-    assert "9 points over friction μa 0.2 to 0.3 (3 values)" in words(figure)
-    assert "4 lock (4 at 0/1)" in words(figure) and "1 refused; it so: no such loop." in words(figure)
-    assert "plywood: friction μa × ring x" in words(figure)
-    # In grey, a darker cell has more stable directions.
     mesh = stable.collections[0]
+    assert np.ma.filled(mesh.get_array(), -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
+    told = ("plywood: friction μa × ring x", "9 points over friction μa 0.2 to 0.3 (3 values)", "4 lock (4 at 0/1)")
+    for part in (*told, "1 refused; it so: no such loop."):
+        assert part in words(figure)
+    # In grey, a darker cell has more stable directions.
     grey = [float(np.dot(mesh.cmap(mesh.norm(count))[:3], (0.299, 0.587, 0.114))) for count in (0.0, 1.0)]
     assert grey[0] - grey[1] > 0.4
 
 
 def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
     sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
-    points, rotation = panels(page_of(sweep))
-    unstable, stable = points.lines[:2]
+    points, _ = panels(page_of(sweep))
+    unstable, stable, refused = points.lines[:3]
     assert stable.get_xdata() == pytest.approx([0.2, 0.21, 0.22, 0.23, 0.24])
-    assert stable.get_ydata() == pytest.approx([np.degrees(1.0)] * 5)
     assert unstable.get_ydata() == pytest.approx(np.degrees(2.0 + np.arange(5) / 10))
-    assert stable.get_markerfacecolor() != unstable.get_markerfacecolor()
-    assert "(°)" in points.get_ylabel() and "turns a cycle" in rotation.get_ylabel()
-    assert points.lines[2].get_xdata() == pytest.approx([0.3]), "the refused point is marked"
+    assert refused.get_xdata() == pytest.approx([0.3])
     assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith("4 of 11 points over friction μa")
 
 
@@ -90,8 +84,7 @@ def test_a_sample_is_dots_and_any_quantity_can_be_drawn(swept) -> None:
     plan = SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}, 21, numbers=NUMBERS)
     figure = page_of(swept(plan), ("fixed_points",))
     (axes,) = panels(figure)
-    assert len(axes.collections[0].get_offsets()) == 19
-    assert len(axes.lines[0].get_xdata()) == 2
+    assert (len(axes.collections[0].get_offsets()), len(axes.lines[0].get_xdata())) == (19, 2)
     assert "sobol sample, seed 0" in words(figure)
     named = swept(SweepPlan.grid(None, {"material": ("abs", "delrin", "plywood", "pu")}, numbers=NUMBERS))
     points, _ = panels(page_of(named))
@@ -108,11 +101,9 @@ def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
 
 
-def test_cells_meet_half_way_and_keys_have_their_units() -> None:
+def test_cells_meet_half_way() -> None:
     assert cell_edges(np.array([0.0, 1.0, 3.0])).tolist() == [-0.5, 0.5, 2.0, 4.0]
     assert cell_edges(np.array([3.0])).tolist() == [2.5, 3.5]
-    labels = [key_label(key) for key in ("phi_deg", "mass_kg", "side")]
-    assert labels == ["direction φ of friction (°)", "mass (kg)", "side"]
 
 
 def plane(size, locked) -> RotationPlane:
@@ -152,7 +143,6 @@ def test_a_tongue_in_a_corner_stays(corner) -> None:
 
 
 def test_a_plane_of_rings_shows_the_object_and_mits_ring(swept) -> None:
-    """The outline drawn is that of the object, all of it within the panel, and the star is MIT's ring, in mm."""
     over = {"hitch_x_mm": (-12.0, -8.0, -4.0), "hitch_y_mm": (-12.0, 0.0, 12.0)}
     axes = panels(page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS))))[0]
     outline, star = axes.lines[-2:]

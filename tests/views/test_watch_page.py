@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn_words import assert_words_apart
 
 from cyclemap.resets import BiasMonitor, watch
 from cyclemap.views import watch_page as sentences
@@ -25,29 +26,13 @@ def even():
     return course_of(np.cumsum(np.radians(8.0 + 2.0 * np.random.default_rng(1).standard_normal(200))))
 
 
-def heights(axes) -> list[float]:
-    """The levels of the horizontal lines from edge to edge."""
-    return [line.get_ydata()[0] for line in axes.lines if list(line.get_xdata()) == [0, 1]]
-
-
-def uprights(axes) -> list[float]:
-    return [line.get_xdata()[0] for line in axes.lines if list(line.get_ydata()) == [0, 1]]
-
-
-def test_every_push_all_evidence_and_the_alarm_are_drawn(locked, even) -> None:
-    path, evidence, _, worth = watch_page(*locked, "x.csv").axes
-    alarm = locked[1][-1].alarm
-    assert alarm is not None and uprights(path) == uprights(evidence) == [alarm.push]
-    assert heights(path) == pytest.approx([np.degrees(alarm.directions[0])])
-    assert heights(path)[0] == pytest.approx(60.0, abs=1.5)
-    assert heights(evidence) == [locked[1][-1].threshold]
-    assert path.lines[0].get_ydata() == pytest.approx(np.degrees(np.mod(locked[0].path, 2 * np.pi)))
-    assert evidence.lines[0].get_ydata() == pytest.approx([report.rest_evidence for report in locked[1]])
-    assert evidence.lines[1].get_ydata() == pytest.approx([report.visit_evidence for report in locked[1]])
-    assert worth.lines[1].get_ydata() == pytest.approx([report.coverage.effective_pushes for report in locked[1]])
-    page = watch_page(*even, "x.csv")
-    assert even[1][-1].alarm is None and uprights(page.axes[0]) == uprights(page.axes[1]) == []
-    assert "no sign of locking in" in page.texts[0].get_text()
+@pytest.mark.parametrize("kind", ["locked", "even"])
+def test_the_page_says_whether_it_locks_in_and_its_words_lie_apart(kind, request) -> None:
+    monitor, reports = request.getfixturevalue(kind)
+    page = watch_page(monitor, reports, "x.csv")
+    locks = "locks in" if kind == "locked" else "no sign of locking in"
+    assert page.texts[0].get_text() == f"x.csv: {locks}" and len(page.axes) == 4
+    assert_words_apart(page)
 
 
 def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:

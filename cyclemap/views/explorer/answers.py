@@ -90,7 +90,13 @@ class Explored:
                 raise unknown_name("slider", key, known)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise InvalidInput(f"{key} is {value!r}; a slider's value is a number")
-        return _with_settings(self, {key: finite_number(key, value) for key, value in moved.items()})
+        return self.told({key: finite_number(key, value) for key, value in moved.items()})
+
+    def told(self, settings: Mapping[str, object]) -> Explored:
+        """The same with settings as on the command line."""
+        mechanical, sigma = without_noise(settings)
+        loop, sigma = CollectionLoop.from_settings(mechanical, self.loop), self.sigma if sigma is None else sigma
+        return replace(self, settings={**self.settings, **settings}, loop=loop, sigma=sigma)
 
     def command(self) -> str:
         """The command line that gives the same portrait."""
@@ -109,14 +115,7 @@ class Explored:
 
 def explored(words: tuple[str, ...], material: str, settings: Settings) -> Explored:
     """What the explorer starts with: a material, and settings as on the command line."""
-    return _with_settings(Explored(words, {}, CollectionLoop.mit(material=material)), settings)
-
-
-def _with_settings(found: Explored, settings: Mapping[str, object]) -> Explored:
-    mechanical, sigma = without_noise(settings)
-    sigma = found.sigma if sigma is None else sigma
-    loop = CollectionLoop.from_settings(mechanical, found.loop)
-    return replace(found, settings={**found.settings, **settings}, loop=loop, sigma=sigma)
+    return Explored(words, {}, CollectionLoop.mit(material=material)).told(settings)
 
 
 def coarse(loop: CollectionLoop, sigma: float | None, start: float, cycles: int) -> dict[str, object]:

@@ -1,30 +1,18 @@
 """`cyclemap audit`: what a data set that exists is worth, as a paragraph for its card, JSON and a picture."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
-import click
+from cyclemap.cli.json_report import degrees, direction_deg
+from cyclemap.cli.options import readable_data
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.resets.monitor.audit import audit
+from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
 
-from cyclemap.cli.options import PATH, readable_data, result_options, table_options
 
-
-@click.command("audit")
-@click.argument("data", type=PATH)
-@table_options
-@result_options("audit_DATA.png and .json")
-def audit_command(
+def run_audit(
     data: Path, columns: str | None, units: str | None, out: Path, picture_format: str, json_target: str | None
 ) -> None:
-    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its reset did.
-
-    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
-    """
-    from cyclemap.cli.json_report import degrees, direction_deg
-    from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
-    from cyclemap.resets.monitor.audit import audit
-    from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
-
+    """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
     read = readable_data(data, columns, units, out)
     with progress_bar(f"auditing {data.name}") as report:
         found = audit(read, progress=report)

@@ -1,62 +1,34 @@
-"""The command `cyclemap watch`: a collection watched for locking in, once over a whole file or as the file grows."""
-
-from __future__ import annotations
+"""`cyclemap watch`: a collection watched for locking in, once over a whole file or as the file grows."""
 
 import json
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from cyclemap.cli.options import (
-    PATH,
-    LoopOptions,
-    Real,
-    result_options,
-    table_options,
-    tell_what_was_read,
-    told_columns,
-)
+from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers_of
+from cyclemap.cli.options import LoopOptions, tell_what_was_read, told_columns
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.settings import chosen_collection
 from cyclemap.errors import InvalidInput
+from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction, next_action, strategy_maps, watch
+from cyclemap.resets.monitor.theta0_feed import theta0_feed
+from cyclemap.views import watch_page as page
+from cyclemap.views.reset_page import action_words
 
-if TYPE_CHECKING:
-    from cyclemap.cli.json_report import Json
-    from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction
-
-    Chosen = tuple[CycleAction, NextAction]
-    Choose = Callable[[BiasMonitor], Chosen | None]
-
+Chosen = tuple[CycleAction, NextAction]
+Choose = Callable[[BiasMonitor], Chosen | None]
 # Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below what is recorded.
 _TOLD_SHARES, _TOLERANCE = 10, 1e-3
-_SHARE, _WAIT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.01, max=86400.0)
-_RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
-_SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
 
 
-@click.command("watch")
-@click.argument("file", type=PATH)
-@click.option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE)
-@click.option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).")
-@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, help="Between such looks.")
-@click.option("--protocol", metavar="TOML", type=PATH, help="With a [strategy]: which of its actions to take next.")
-@click.option("--material", metavar="MATERIAL", help=_SURFACE)
-@table_options
-@result_options("watch_FILE.png and .json")
-def watch_command(
+def run_watch(
     file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
     columns: str | None, units: str | None, **results: Any,
 ) -> None:  # fmt: skip
-    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
-    table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
-
-    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
-    --follow, `--json -` prints a line of JSON for each push.
-    """
-    from cyclemap.resets import BiasMonitor, watch
-    from cyclemap.resets.monitor.theta0_feed import theta0_feed
-
+    """Watch the file to its end, or as it grows, and tell what is seen."""
     feed, monitor, reports = theta0_feed(file, *told_columns(columns, units)), BiasMonitor(alarm_rate), list[Any]()
     if not follow:
         found, choose = feed.look(finished=True), _chooser(protocol, material)
@@ -91,10 +63,6 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
         if material is not None:
             raise InvalidInput(f"--material {material} is for --protocol: give the protocol, too, or leave both out")
         return lambda monitor: None
-    from cyclemap.cli.output import progress_bar
-    from cyclemap.cli.settings import chosen_collection
-    from cyclemap.resets import next_action, strategy_maps
-
     chosen = chosen_collection(LoopOptions(material, protocol, ()))
     loop, strategy = chosen.loop, chosen.strategy
     if strategy is None or len(strategy.actions) == 1:
@@ -111,22 +79,18 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
-    from cyclemap.cli.json_report import direction_deg
-
     if as_json:
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
         return
-    from cyclemap.views.watch_page import advice_sentence, alarm_sentence, covered, next_action_sentence, rest_sentence
-
     news: list[str] = []
     if after.alarm is not None and before.alarm is None:
-        news += [alarm_sentence(after.alarm), advice_sentence(after)]
+        news += [page.alarm_sentence(after.alarm), page.advice_sentence(after)]
     elif after.alarm is not None and (after.rest is None) != (before.rest is None):
-        news.append(rest_sentence(after) or "θ0 moves on.")
+        news.append(page.rest_sentence(after) or "θ0 moves on.")
     if int(_TOLD_SHARES * after.coverage.covered) > int(_TOLD_SHARES * before.coverage.covered):
-        news.append(f"{covered(after.coverage)}.")
-    for line in (*news, *([] if chosen is None else [next_action_sentence(*chosen)])):
+        news.append(f"{page.covered(after.coverage)}.")
+    for line in (*news, *([] if chosen is None else [page.next_action_sentence(*chosen)])):
         click.echo(f"push {after.push}: {line}")
 
 
@@ -135,23 +99,17 @@ def _conclude(
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    from cyclemap.cli.output import PeopleConsole, file_stem, publish
-    from cyclemap.views.watch_page import next_action_sentence, watch_page, watch_sentences
-
     last, chosen = reports[-1], choose(monitor)
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}
-    page, stem = watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
-    picture = publish(told, page, stem, picture_format, None if quiet else json_target)
+    figure, stem = page.watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
+    picture = publish(told, figure, stem, picture_format, None if quiet else json_target)
     if picture is not None and not quiet:
-        following = () if chosen is None else (next_action_sentence(*chosen),)
-        PeopleConsole().tell(*watch_sentences(last), *following, f"picture: {picture}")
+        following = () if chosen is None else (page.next_action_sentence(*chosen),)
+        PeopleConsole().tell(*page.watch_sentences(last), *following, f"picture: {picture}")
 
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     """What the monitor tells, and what to do next where a strategy is followed."""
-    from cyclemap.cli.json_report import degrees, direction_deg, number
-    from cyclemap.views.reset_page import action_words
-
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice
     told: Json = {
         "alarm": None,
@@ -164,7 +122,7 @@ def _report(report: BiasReport, chosen: Chosen | None) -> Json:
         "useful_pushes": report.useful_pushes,
         "recent_worth": number(report.recent_worth),
         "coverage": {
-            **{name: number(getattr(state, name)) for name in ("covered", "effective_pushes", "gain")},
+            **numbers_of(state, "covered", "effective_pushes", "gain"),
             "largest_gap_deg": degrees(state.largest_gap),
             "gap_centre_deg": direction_deg(state.gap_centre),
         },

@@ -1,68 +1,34 @@
-"""The command `cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule."""
-
-from __future__ import annotations
+"""`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import click
+from cyclemap.cli.json_report import Json, actions_report, degrees
+from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.settings import chosen_collection
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.mechanics import load_material
+from cyclemap.resets import (
+    MaterialRange,
+    ResetDemands,
+    ResetDesign,
+    ResetRow,
+    design_reset,
+    material_range,
+    write_protocol,
+    write_schedule,
+)
+from cyclemap.views.reset_page import COLUMNS, design_sentences, miss_sentences, recipe, reset_page, row_cells
+from cyclemap.views.sentences import material_line
 
-from cyclemap.cli.options import LoopOptions, Real, Whole, loop_options, result_options
 
-if TYPE_CHECKING:
-    from cyclemap.cli.json_report import Json
-    from cyclemap.resets import ResetDesign, ResetRow
-
-_SHARE = Real(min=0.0, max=1.0, min_open=True, max_open=True)
-_ABOVE_ZERO = Real(min=0.0, min_open=True)
-_PERCENT = Real(min=0.0, max=100.0, max_open=True)
-_TV = "Most total variation of θ0 from uniform, in the long run, at the worst of the range."
-_CONTACT = "Shortest way of the rod in contact, in every push.  [default: two thirds of the push, else one]"
-_MORE = "What the robot can do besides: put the ring elsewhere, turn the object. Repeatable."
-_AXES = "How much one axis of friction may be longer against the other.  [default: the material's posterior, or 10]"
-_OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
-_LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
-
-
-@click.command("reset")
-@loop_options
-@click.option("--allow-tv", type=_SHARE, default=0.10, help=_TV)
-@click.option("--extra-tv", type=_SHARE, default=0.02, help="More after --within pushes.")
-@click.option("--within", type=Whole(1, 10_000), default=50, help="Pushes from the worst start.")
-@click.option("--drag-ratio", type=_ABOVE_ZERO, default=2.0, help="Most mean drag, in those of now.")
-@click.option("--reach-mm", type=_ABOVE_ZERO, help="Most distance of rod or object from the target.")
-@click.option("--seconds", type=_ABOVE_ZERO, help="Most mean time of a cycle.")
-@click.option("--least-push-mm", type=_ABOVE_ZERO, help=_CONTACT)
-@click.option("--with", "abilities", type=click.Choice(["ring", "gripper"]), multiple=True, help=_MORE)
-@click.option("--keep-push", is_flag=True, help="Change only the way back: every push stays the loop's own.")
-@click.option("--axes-percent", type=_PERCENT, help=_AXES)
-@click.option("--offsets-percent", type=_ABOVE_ZERO, help=_OFFSETS)
-@click.option("--likely", metavar="MATERIAL", multiple=True, help=_LIKELY)
-@click.option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect.")
-@click.option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length.")
-@click.option("--seed", type=Whole(min=0), default=0, help="Seed of the schedule.")
-@result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)")
-def reset_command(
+def run_reset(
     options: LoopOptions, json_target: str | None, out: Path, picture_format: str, cycles: int, seed: int,
     reach_mm: float | None, least_push_mm: float | None, axes_percent: float | None, offsets_percent: float | None,
     likely: tuple[str, ...], **wanted: Any,
 ) -> None:  # fmt: skip
-    """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol and schedule."""
-    from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
-    from cyclemap.cli.settings import chosen_collection
-    from cyclemap.collection.portrait import DEFAULT_SIGMA
-    from cyclemap.mechanics import load_material
-    from cyclemap.resets import (
-        MaterialRange,
-        ResetDemands,
-        design_reset,
-        material_range,
-        write_protocol,
-        write_schedule,
-    )
-    from cyclemap.views.reset_page import COLUMNS, design_sentences, miss_sentences, reset_page, row_cells
-    from cyclemap.views.sentences import material_line
-
+    """Design the reset, write its files, and print it for people or as JSON."""
     reach, contact = (None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm))
     axes, offsets = (None if part is None else 0.01 * part for part in (axes_percent, offsets_percent))
     asked, demands = chosen_collection(options), ResetDemands(reach=reach, contact=contact, **wanted)
@@ -86,21 +52,13 @@ def reset_command(
     for sentence in miss_sentences(design):
         console.print(sentence, style="bold red")
     console.tell(*design_sentences(design))
-    table = people_table("Beside it", COLUMNS, words=2)
-    for column in table.columns[2:]:
-        column.no_wrap = True
-    for row in design.rows[1:]:
-        table.add_row(*row_cells(row))
-    console.print_table(table)
+    console.print_table(people_table("Beside it", COLUMNS, map(row_cells, design.rows[1:]), words=(0, 1)))
     files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
     console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))
 
 
 def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
     """The report of `cyclemap reset`; the chosen row is the first."""
-    from cyclemap.cli.json_report import actions_report, degrees
-    from cyclemap.views.reset_page import miss_sentences, recipe
-
     rows: list[Json] = [
         {
             "roles": list(row.roles),

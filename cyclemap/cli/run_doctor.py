@@ -1,0 +1,78 @@
+"""The command `cyclemap doctor`: what is installed, and whether the engine comes to the right numbers."""
+
+import math
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.table import Table
+
+from cyclemap.cli.json_report import Json
+from cyclemap.cli.output import PeopleConsole, publish_json
+from cyclemap.collection import CollectionLoop
+from cyclemap.errors import EngineNotBuilt, InvalidInput
+from cyclemap.figures.catalogue import MeasuredFolder
+from cyclemap.mechanics.engine import library
+
+PACKAGES = ("cyclemap", "numpy", "scipy", "casadi", "matplotlib")
+# MIT's loop on plywood: theta0, turn of the push and of the drag that follows, degrees, by that solver.
+REFERENCE_DEG = (
+    (0.0, 73.65314, -63.68794),
+    (60.0, 73.84911, -73.51442),
+    (150.0, 65.58227, -77.99290),
+    (270.0, 72.40902, -49.51194),
+)
+# How far off that the turns may be: they are within 6e-5 degrees, at any accuracy of ours.
+REFERENCE_ERROR_DEG = 1e-4
+
+
+def run_doctor(json_target: str | None) -> None:
+    """Look at all of it, and tell people or write JSON; exit code 1 where something is wrong."""
+    problems: list[str] = []
+    data = engine = off = None
+    try:
+        data = MeasuredFolder.found().path
+    except InvalidInput as error:
+        problems.append(str(error))
+    try:
+        engine = library.load().cm_version().decode()
+        off = math.degrees(reference_error())
+        if not off <= REFERENCE_ERROR_DEG:
+            problems.append(f"turns in MIT's loop are {off:.1e}° off those of an independent solver")
+    except EngineNotBuilt as missing:
+        problems.append(str(missing))
+    versions = {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+    report: Json = {
+        "versions": versions,
+        "machine": f"{platform.system()} {platform.machine()}",
+        "engine": str(library.library_path(Path(library.__file__).parent)),
+        "engine_version": engine,
+        "self_check_error_deg": off,
+        "data_folder": None if data is None else str(data),
+        "problems": problems,
+        "healthy": not problems,
+    }
+    if not publish_json(report, json_target):
+        table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
+        table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
+        table.add_row("machine", str(report["machine"]))
+        table.add_row("engine", f"{report['engine']}, {engine or 'not to be used'}")
+        if off is not None:
+            table.add_row("self-check", f"4 cycles within {off:.1e}° of an independent solver's")
+        table.add_row("measured data", str(data or "not found: set CYCLEMAP_DATA where it is needed"))
+        console = PeopleConsole()
+        console.print_table(table)
+        for problem in problems:
+            console.print(f"PROBLEM: {problem}")
+        console.print("not healthy" if problems else "healthy")
+    if problems:
+        raise click.exceptions.Exit(1)
+
+
+def reference_error() -> float:
+    """Return the largest difference (rad) of turns in MIT's loop on plywood from the independent solver's."""
+    theta, push_turn, drag_turn = np.radians(REFERENCE_DEG).T
+    cycles = CollectionLoop.mit("plywood").cycles(theta)
+    return float(np.abs([cycles.push_turn - push_turn, cycles.drag_turn - drag_turn]).max())

@@ -1,0 +1,56 @@
+"""The command `cyclemap experiment`: the paper's numerical experiment in sentences, as JSON, and as a picture."""
+
+from pathlib import Path
+
+import numpy as np
+
+from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers
+from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.settings import chosen_loop
+from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
+from cyclemap.collection.dynamic_loop import DynamicLoop
+from cyclemap.views import experiment_page as page
+
+
+def run_experiment(
+    options: LoopOptions, batches: int, cycles: int, speed_mm_s: float, quasi_static: bool, out: Path,
+    picture_format: str, json_target: str | None,
+) -> None:  # fmt: skip
+    """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more than cycles."""
+    loop, _ = chosen_loop(options)
+    run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
+    with progress_bar(f"batches of cycles on {loop.material.name}") as report:
+        experiment = batch_experiment(run, batches, cycles, report)
+    told: Json = {
+        "model": "quasi-static" if experiment.speed is None else "dynamic",
+        "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
+        "cycles": experiment.cycles,
+        "within_deg": degrees(WITHIN),
+        "anisotropic": _run(experiment.anisotropic),
+        "isotropic": _run(experiment.isotropic),
+    }
+    stem = out / f"experiment_{file_stem(loop.material.name)}"
+    picture = publish(told, page.experiment_page(experiment), stem, picture_format, json_target)
+    if picture is not None:
+        tellers = (page.experiment_headline, page.spread_sentence, page.isotropic_sentence, page.method_line)
+        PeopleConsole().tell(*(tell(experiment) for tell in tellers), f"picture: {picture}")
+
+
+def _run(run: BatchRun) -> Json:
+    directions, settled = run.directions(), run.settled_after()
+    return {
+        "directions_deg": [direction_deg(direction) for direction in directions],
+        "all_agree": len(directions) == 1,
+        "spread_mm": number(1e3 * run.spread),
+        "batches": [
+            {
+                "start_deg": degrees(theta[0]),
+                "final_deg": direction_deg(theta[-1]),
+                "last_step_deg": degrees(step),
+                "settled_after_cycles": int(cycles) if directions else None,
+                "theta0_deg": numbers(np.degrees(theta)),
+            }
+            for theta, step, cycles in zip(run.theta, run.last_step, settled, strict=True)
+        ],
+    }

@@ -1,0 +1,44 @@
+"""`cyclemap staircase`: in sentences, as JSON, and as a picture."""
+
+from pathlib import Path
+
+from cyclemap.cli.json_report import staircase_report
+from cyclemap.cli.options import LoopOptions, measured_orientations
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.settings import chosen_collection
+from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
+from cyclemap.evidence import measured_staircase
+from cyclemap.views import staircase_page
+from cyclemap.views.sentences import uncertainty_sentence
+
+
+def run_staircase(
+    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, cycles: int | None, seed: int,
+    out: Path, picture_format: str, json_target: str | None,
+) -> None:  # fmt: skip
+    """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
+    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options).simplified()
+    loop, sigma = chosen.loop, chosen.sigma
+    measured = None if pairs is None else measured_staircase(pairs, seed)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy import run_strategy_staircase
+
+        run_strategy_staircase(chosen, chosen.strategy, measured, cycles, seed, out, picture_format, json_target)
+        return
+    # The run starts where the data start and is as long, unless told otherwise.
+    length, start = (DEFAULT_CYCLES, 0.0) if measured is None else (len(measured.path) - 1, float(measured.path[0]))
+    with progress_bar(f"staircase of {loop.material.name}") as report:
+        forecast = staircase_forecast(
+            loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=report
+        )
+    stem = out / f"staircase_{file_stem(loop.material.name)}"
+    page = staircase_page.staircase_page(forecast, measured)
+    picture = publish(staircase_report(forecast, measured), page, stem, picture_format, json_target)
+    if picture is None:
+        return
+    told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
+    told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
+    if measured is not None:
+        told += [staircase_page.measured_sentence(measured), staircase_page.fitted_sentence(measured)]
+    words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"
+    PeopleConsole().tell(*words)
