@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -57,41 +57,29 @@ class CycleTrajectory(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class StrokePair(Generic[P, D]):
-    """A push from orientation `theta` (rad) and the drag that followed it."""
+    """A push and the drag that followed it.
+
+    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
+    push, drag : the results of both strokes. push_turn, drag_turn : rad. push_displacement : of the object's origin in
+    its initial frame, (2,), m. drag_length : path of the ring, m. ended : why the push ended, `distance`, or `left`
+    where the rod lost the object.
+    """
 
     theta: float
     push: P
     drag: D
+    push_turn: float = field(init=False)
+    push_displacement: NDArray[np.float64] = field(init=False)
+    drag_turn: float = field(init=False)
+    drag_length: float = field(init=False)
+    theta_next: float = field(init=False)
+    ended: str = field(init=False)
 
-    @property
-    def push_turn(self) -> float:
-        """Turn during the push, rad."""
-        return self.push.turn
-
-    @property
-    def push_displacement(self) -> NDArray[np.float64]:
-        """Displacement of the object's origin during the push, in its initial frame, (2,), m."""
-        return self.push.displacement
-
-    @property
-    def drag_turn(self) -> float:
-        """Turn during the drag, rad."""
-        return self.drag.turn
-
-    @property
-    def drag_length(self) -> float:
-        """Path of the ring during the drag, m."""
-        return self.drag.length
-
-    @property
-    def theta_next(self) -> float:
-        """Orientation before the next push, rad, on the lift."""
-        return self.drag.end.theta
-
-    @property
-    def ended(self) -> str:
-        """Why the push ended: `distance`, or `left` where the rod lost the object."""
-        return self.push.ended
+    def __post_init__(self) -> None:
+        push, drag = self.push, self.drag
+        told = (push.turn, push.displacement, drag.turn, drag.length, drag.end.theta, push.ended)
+        for one, value in zip(fields(StrokePair)[3:], told, strict=True):
+            object.__setattr__(self, one.name, value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,14 +97,6 @@ class Cycles:
     drag_length: NDArray[np.float64]
     theta_next: NDArray[np.float64]
     left: NDArray[np.bool_]
-
-    @classmethod
-    def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> Cycles:
-        """Return the runs from the orientations theta (...), in its order, as arrays."""
-        shapes = {field.name: theta.shape for field in fields(cls)[1:-1]} | {"push_displacement": (*theta.shape, 2)}
-        columns = {name: np.array([getattr(run, name) for run in runs], dtype=float) for name in shapes}
-        left = np.array([run.ended == "left" for run in runs]).reshape(theta.shape)
-        return cls(theta, left=left, **{name: columns[name].reshape(shape) for name, shape in shapes.items()})
 
     def to_frame(self) -> pandas.DataFrame:
         """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx, push_dy (rad, m).
@@ -145,14 +125,14 @@ class Cycles:
         return xarray.Dataset({name: (axes, values) for name, values in self._columns().items()})
 
     def _columns(self) -> dict[str, NDArray[Any]]:
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        columns = {one.name: getattr(self, one.name) for one in fields(self)}
         dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
         return columns | {"push_dx": dx, "push_dy": dy}
 
     @classmethod
     def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
-        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
+        columns = [getattr(batch, one.name) for one in fields(cls)[1:]]
         return cls(theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns))
 
 
@@ -164,13 +144,7 @@ _DRAWN = 60
 
 @dataclass(frozen=True, eq=False)
 class Cycle(StrokePair[PushResult, DragResult]):
-    """One push and reset.
-
-    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
-    push_turn, drag_turn : rad. push_displacement : of the object's origin in its initial frame, (2,), m.
-    drag_length : path of the ring, m. ended : why the push ended, `distance` or `left`.
-    push, drag : the results of both strokes. loop : what was run.
-    """
+    """One push and reset, a `StrokePair`. loop : what was run."""
 
     loop: CollectionLoop
 
@@ -245,7 +219,7 @@ class CollectionLoop:
 
     def __getstate__(self) -> dict[str, object]:
         # What was computed from the fields stays behind.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:

@@ -11,7 +11,7 @@ from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.wearing_loop import drift_of
+from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, Stroke, inline_svg, map_strokes
 from cyclemap.maps import (
@@ -49,6 +49,8 @@ DEFAULT_SIGMA = float(np.deg2rad(1.1))
 FULL_TURN = 2 * np.pi
 
 DEFAULT_CYCLES = 2000
+# Maps that most drifts take.
+_USUAL_MAPS = 12
 # Radians: a zone's centre is the stable point itself.
 _SAME_PLACE = 1e-6
 
@@ -111,7 +113,7 @@ class Portrait:
     def stable_points(self) -> tuple[Orbit, ...]:
         """The stable fixed points, the most visited first."""
         stable = [orbit for orbit in self.fixed_points if orbit.stable]
-        return tuple(sorted(stable, key=lambda orbit: -_density_at(self.operator, orbit.points[0])))
+        return tuple(sorted(stable, key=lambda orbit: -float(self.operator.density(orbit.points[:1])[0])))
 
     @cached_property
     def highest_peaks(self) -> tuple[float, ...]:
@@ -165,16 +167,13 @@ def portrait(
     if cycles < 1:
         raise InvalidInput(f"cycles is {cycles}; a staircase needs at least one cycle")
     report = progress or (lambda fraction: None)
-    # The maps are nearly all of the work; what follows them takes a fixed, small part.
-    share = 0.6 if loop.material.wear is None else 0.2
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
-    drifting = drift_of(loop, cycles, lambda fraction: report(share + (0.6 - share) * fraction))
-    uncertainty = known_directions(loop, lambda fraction: report(0.6 + 0.2 * fraction))
+    cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
     points = tuple(fixed_points(cycle_map))
     noise, kicks = noises_of(loop, cycle_map, sigma)
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
-    stable = [float(orbit.points[0]) for orbit in points if orbit.stable]
+    stable = [orbit.points[:1] for orbit in points if orbit.stable]
+    visited = max(stable, key=lambda theta: float(operator.density(theta)[0]), default=np.zeros(1))
     result = Portrait(
         loop=loop,
         map=cycle_map,
@@ -186,7 +185,7 @@ def portrait(
         operator=operator,
         staircase=sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
         prediction=predict_staircase(cycle_map, noise, operator),
-        cycle=loop.cycle(max(stable, key=lambda theta: _density_at(operator, theta), default=0.0)),
+        cycle=loop.cycle(float(visited[0])),
         drifting=drifting,
         worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
         uncertainty=uncertainty,
@@ -195,9 +194,22 @@ def portrait(
     return result
 
 
-def known_directions(loop: CollectionLoop, progress: Progress) -> DirectionUncertainty | None:
-    """How well a loop's stable directions are known; None for what stands in for a loop, its map alone being known."""
-    return direction_uncertainty(loop, progress) if isinstance(loop, CollectionLoop) else None
+def _maps_of(
+    loop: CollectionLoop, cycles: int, tolerance: float, report: Progress
+) -> tuple[CircleMap, DriftingMap | None, DirectionUncertainty | None]:
+    """The cycle map; where the surface wears, the map over a run; how well stable directions are known.
+
+    That is nearly all of the work: 0.8 of the progress. The last is None for what stands in for a loop, its map alone
+    being known.
+    """
+    share, drifting, uncertainty = 0.6 if loop.material.wear is None else 0.2, None, None
+    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
+    if loop.material.wear is not None:
+        # How many maps it takes is not known before.
+        drifting = drifting_map(loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS)))
+    if isinstance(loop, CollectionLoop):
+        uncertainty = direction_uncertainty(loop, lambda done: report(0.6 + 0.2 * done))
+    return cycle_map, drifting, uncertainty
 
 
 def noises_of(
@@ -231,10 +243,6 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )
-
-
-def _density_at(operator: TransferOperator, theta: float) -> float:
-    return float(operator.density(np.array([theta]))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,12 +291,9 @@ def staircase_forecast(
     Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
     """
     report = progress or (lambda fraction: None)
-    share = 0.6 if loop.material.wear is None else 0.2
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
+    cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
     noise, kicks = noises_of(loop, cycle_map, sigma)
     prediction = predict_staircase(cycle_map, noise)
-    drifting = drift_of(loop, cycles, lambda done: report(0.2 + 0.4 * done))
-    uncertainty = known_directions(loop, lambda done: report(0.6 + 0.2 * done))
     report(0.8)
     run = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
     worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)

@@ -9,7 +9,6 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.portrait import FULL_TURN, Portrait
 from cyclemap.maps import CircleMap, transfer_operator
-from cyclemap.mechanics import Trajectory
 
 OUTLINE_POINTS = 400
 # Where along the rod's path a force is shown.
@@ -61,27 +60,25 @@ class CycleScene:
 
 def cycle_scene(loop: CollectionLoop, cycle: Cycle) -> CycleScene:
     """The scene of `cycle`, which `loop` ran."""
-    return CycleScene(push=_stroke(loop, cycle.trajectory.push), drag=_stroke(loop, cycle.trajectory.drag))
-
-
-def _stroke(loop: CollectionLoop, trajectory: Trajectory) -> StrokeScene:
-    outline = loop.slider.outline_points(OUTLINE_POINTS)
-    hitch = np.asarray(loop.slider.hitch, dtype=float)
-    first, last = trajectory.pose[0], trajectory.pose[-1]
-    travelled = trajectory.path / max(trajectory.path[-1], np.finfo(float).tiny)
-    shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
-    return StrokeScene(
-        before=placed(first, outline),
-        after=placed(last, outline),
-        ring_before=placed(first, hitch),
-        ring_after=placed(last, hitch),
-        centre=trajectory.pose[:, :2],
-        rod=trajectory.pusher,
-        rod_radius=loop.pusher.radius,
-        sliding=np.char.startswith(np.asarray(trajectory.mode, dtype=str), "slide"),
-        force_point=trajectory.contact_point[shown],
-        force=trajectory.contact_force[shown],
-    )
+    outline, hitch, strokes = loop.slider.outline_points(OUTLINE_POINTS), np.array(loop.slider.hitch, dtype=float), []
+    for course in (cycle.trajectory.push, cycle.trajectory.drag):
+        first, last = course.pose[0], course.pose[-1]
+        travelled = course.path / max(course.path[-1], np.finfo(float).tiny)
+        shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
+        stroke = StrokeScene(
+            before=placed(first, outline),
+            after=placed(last, outline),
+            ring_before=placed(first, hitch),
+            ring_after=placed(last, hitch),
+            centre=course.pose[:, :2],
+            rod=course.pusher,
+            rod_radius=loop.pusher.radius,
+            sliding=np.char.startswith(np.asarray(course.mode, dtype=str), "slide"),
+            force_point=course.contact_point[shown],
+            force=course.contact_force[shown],
+        )
+        strokes.append(stroke)
+    return CycleScene(*strokes)
 
 
 def placed(pose: Array, points: Array) -> Array:

@@ -110,10 +110,10 @@ def five_numbers(response: TurnResponse) -> tuple[str, ...]:
 
 def protocol_sentence(found: Fingerprint) -> str:
     """What the protocol does, in a sentence."""
-    parts = f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
-    offset, ellipse = (angle(0.01 * size, 2) for size in (found.offset_amplitude, found.ellipse_amplitude))
+    whole, parts = found.cycle, f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
+    offset, ellipse = (angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude))
     return (
-        f"On an isotropic surface a cycle turns the object by {angle(found.turn, 2)} ({parts}); an offset of 1 % "
+        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({parts}); an offset of 1 % "
         f"changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}."
     )
 
@@ -186,7 +186,7 @@ def _place(direction: PredictedDirection) -> str:
     second = direction.second_order
     refined = "" if second is None else f"; to second order {angle(second.points[0])}"
     width = "± more than 90°" if direction.error > ANYWHERE else f"± {angle(direction.error)}"
-    return f"{angle(direction.theta)} {width} (multiplier {_signed(direction.multiplier)}{refined})"
+    return f"{angle(direction.theta)} {width} (multiplier {_signed(direction.orbit.multiplier)}{refined})"
 
 
 def _signed(value: float) -> str:

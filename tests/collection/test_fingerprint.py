@@ -75,7 +75,7 @@ def test_an_anisotropy_gives_back_its_ellipse_whatever_its_axes_are_called() -> 
 def test_differences_of_whole_cycles_over_sixteen_orientations_have_the_fingerprints_harmonics(name) -> None:
     """The second route: the answer to an offset is a pure first harmonic, to an ellipticity a pure second one."""
     loop = CollectionLoop.from_settings(PROTOCOLS[name])
-    found, step, psi, phi = fingerprint(loop), 5e-4, 0.4, 1.1
+    found, step, psi, phi = fingerprint(loop).cycle, 5e-4, 0.4, 1.1
     cases = (
         (1, psi, found.offset_amplitude, found.offset_phase),
         (2, phi, found.ellipse_amplitude, found.ellipse_phase),
@@ -161,11 +161,11 @@ def test_surfaces_without_a_direction_drift_and_one_too_anisotropic_for_a_first_
     """Isotropic ones by Ω, weak ones slower, slowest where their turn is least."""
     nothing = predict(mit, Anisotropy(0.0, 0.0, 0.0, 0.0))
     assert nothing.directions == () and nothing.verdict == DRIFTS and nothing.trusted
-    assert nothing.mean_turn == pytest.approx(mit.turn, abs=1e-12)
+    assert nothing.mean_turn == pytest.approx(mit.cycle.turn, abs=1e-12)
     assert nothing.lock_in.scale == np.inf and nothing.lock_in_range == (np.inf, np.inf)
     weak = predict(mit, Anisotropy(0.03, 1.0, 0.01, 0.5))
     least = float(weak.turn(weak.slowest))
-    assert weak.directions == () and weak.verdict == DRIFTS and 0.0 < least < weak.mean_turn < mit.turn
+    assert weak.directions == () and weak.verdict == DRIFTS and 0.0 < least < weak.mean_turn < mit.cycle.turn
     assert least == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
     strong = predict(mit, EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
     assert strong.anisotropy == Anisotropy.of(EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
@@ -176,8 +176,8 @@ def test_fixed_points_appear_exactly_at_the_predicted_scale(mit) -> None:
     """Just below none, just above a pair; for one harmonic at |Ω| = X, for two beyond."""
     rays = np.radians([0.0, 20.0, 55.0, 90.0])
     edge = lock_in_boundary(mit.cycle, 0.4, 2.0, rays)
-    assert edge[0] == pytest.approx([mit.turn / mit.offset_amplitude, 0.0], abs=1e-15)
-    assert edge[-1] == pytest.approx([0.0, mit.turn / mit.ellipse_amplitude], abs=1e-15)
+    assert edge[0] == pytest.approx([mit.cycle.turn / mit.cycle.offset_amplitude, 0.0], abs=1e-15)
+    assert edge[-1] == pytest.approx([0.0, mit.cycle.turn / mit.cycle.ellipse_amplitude], abs=1e-15)
     for offset, ellipticity in edge:
         surface = Anisotropy(offset, 0.4, ellipticity, 2.0)
         assert first_order_lock_in(mit.cycle, surface).scale == pytest.approx(1.0, abs=1e-12)
@@ -214,14 +214,10 @@ def test_a_prediction_is_the_two_harmonic_map_it_says(mit) -> None:
     """Its map, its turn and the formula with amplitudes and phases are one function, its slope their derivative."""
     surface = Anisotropy(0.1, 2.8, 0.04, 2.6)
     predicted = Prediction(mit, surface)
-    formula = (
-        ANGLES
-        + mit.turn
-        + surface.offset * mit.offset_amplitude * np.cos(ANGLES - surface.offset_direction - mit.offset_phase)
-        + surface.ellipticity
-        * mit.ellipse_amplitude
-        * np.cos(2.0 * (ANGLES - surface.ellipse_direction) - mit.ellipse_phase)
-    )
+    five = mit.cycle
+    first = five.offset_amplitude * np.cos(ANGLES - surface.offset_direction - five.offset_phase)
+    second = five.ellipse_amplitude * np.cos(2.0 * (ANGLES - surface.ellipse_direction) - five.ellipse_phase)
+    formula = ANGLES + five.turn + surface.offset * first + surface.ellipticity * second
     assert predicted.map(ANGLES) == pytest.approx(formula, abs=1e-14)
     assert predicted.turn(ANGLES) == pytest.approx(formula - ANGLES, abs=1e-14)
     slopes = (predicted.map(ANGLES + 1e-6) - predicted.map(ANGLES - 1e-6)) / 2e-6

@@ -35,14 +35,12 @@ def write_protocol(
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
 
-    The file holds the robot's side of the loop as --set keys (see `loop_tables`; the surface is named in a comment
-    only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy.
-    Its first line is a checksum of the rest.
-    noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers,
-    texts, booleans, lists of them; None is left out), a table that readers pass over.
+    The file holds the robot's side of the loop as --set keys (the surface is named in a comment only), and the strategy
+    in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy. Its first line is a
+    checksum of the rest. noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers, texts,
+    booleans, lists of them; None is left out), a table that readers pass over.
 
-    Raises InvalidInput for a loop that settings cannot say, OSError where the file
-    cannot be written.
+    Raises InvalidInput for a loop that settings cannot say, OSError where the file cannot be written.
 
     >>> import tempfile
     >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
