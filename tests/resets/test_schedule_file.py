@@ -8,9 +8,8 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError
-from cyclemap.mechanics import SidePush, Slider
+from cyclemap.mechanics import SidePush
 from cyclemap.resets import CycleAction, ResetStrategy, read_schedule, run_strategy, write_schedule
-from cyclemap.resets.protocol.schedule_file import rod_start
 
 LOOP = CollectionLoop.mit(accuracy=1e-6)
 LEGS = ((0.02, 0.05), (0.0, 0.05)), ((0.03, -0.04), (0.05, 0.0))
@@ -84,16 +83,6 @@ def test_the_robots_columns_are_where_the_mechanics_puts_rod_and_ring(schedule) 
             place = place + float(row[f"leg_{leg}_mm"]) * np.array([math.cos(bearing), math.sin(bearing)])
         assert place == pytest.approx([0.0, 0.0], abs=1e-8)
         assert float(row["leg_2_mm"]) == pytest.approx(50.0)
-
-
-@pytest.mark.parametrize("shape", ["rect1", "tri2", "ellip2"])
-def test_the_rod_starts_in_contact_whatever_the_outline(shape) -> None:
-    loop = CollectionLoop.mit(slider=Slider.mit(shape))
-    (x, y), (dx, dy) = rod_start(loop, SidePush(angle=0.2))
-    pushed = loop.model.push(loop.start_pose(0.0), SidePush(angle=0.2, distance=0.01))
-    start, end = (np.array(loop.start_pose(0.0).to_object(*pushed.trajectory.pusher[k])) for k in (0, -1))
-    assert start == pytest.approx([x, y], abs=1e-12)
-    assert (end - start) / np.hypot(*(end - start)) == pytest.approx([dx, dy], abs=1e-9)
 
 
 def test_the_comments_tell_strategy_seed_and_ring(schedule) -> None:

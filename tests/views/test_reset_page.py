@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cyclemap as cm
+from cyclemap.collection.own_object import first_contact
 from cyclemap.mechanics import SidePush
 from cyclemap.resets import CycleAction, MaterialRange, ResetDemands, ResetStrategy, design_reset, gripper_turns, legs
-from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views.reset_page import design_sentences, draw_pushes, recipe, reset_page
 from cyclemap.views.style import new_figure, render
 
@@ -48,7 +48,7 @@ def test_the_arrows_end_where_the_rod_starts_and_their_shares_stand_beside_them(
     arrows = [note for note in axes.texts if getattr(note, "arrow_patch", None)]
     assert len(arrows) == 2
     for arrow, action in zip(arrows, (SIDES[0], SLANTED), strict=True):
-        (x, y), (dx, dy) = rod_start(loop, action.push)
+        (x, y), (dx, dy) = first_contact(loop.slider, action.push, loop.pusher.radius)
         assert arrow.xy == pytest.approx((1e3 * x, 1e3 * y))
         way = np.subtract(arrow.xy, arrow.xyann)
         assert way / np.hypot(*way) == pytest.approx((dx, dy))

@@ -9,7 +9,7 @@ import stat
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
@@ -37,16 +37,11 @@ class NewOrientations:
     guessed: bool = False
 
 
-class Theta0Feed(Protocol):
-    """A source of orientations, one a push, in the order of the pushes."""
-
-    def look(self, finished: bool = False) -> NewOrientations:
-        """The orientations added since the last look; ``finished``: nothing more is being written."""
-        ...
-
-
 def theta0_feed(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> Theta0Feed:
     """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
+
+    Its ``look(finished=False)`` gives the orientations added since the last look, one a push, in the order of the
+    pushes; ``finished``: nothing more is being written.
 
     columns, units : of a table of one's own, as `read_own_table` takes them; other data are told by themselves.
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
@@ -219,7 +214,14 @@ class PushFolderFeed:
         ``finished``: also for a link to nothing, and for a folder that is absent or holds no push.
         """
         try:
-            fresh = self._fresh_files(finished)
+            named = (file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES)
+            found = [f for f in named if f not in self._taken and not f.name.endswith(UNFINISHED_SUFFIX)]
+            nowhere = next((file for file in found if file.is_symlink() and not file.exists()), None)
+            if finished and nowhere is not None:
+                raise DataFileError(
+                    f"{nowhere}: a link to a file that is not there; restore the file or remove the link"
+                )
+            fresh = sorted((file for file in found if file.is_file()), key=_place_in_series)
         except FileNotFoundError as error:
             if finished:
                 raise DataFileError(f"{self.path}: there is no such folder; check the path") from error
@@ -257,14 +259,6 @@ class PushFolderFeed:
             theta += [float(record.start[2])] if isinstance(record, PushRecord) else []
         return tuple(theta)
 
-    def _fresh_files(self, finished: bool) -> list[Path]:
-        named = [file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES and file not in self._taken]
-        found = [file for file in named if not file.name.endswith(UNFINISHED_SUFFIX)]
-        nowhere = next((file for file in found if file.is_symlink() and not file.exists()), None)
-        if finished and nowhere is not None:
-            raise DataFileError(f"{nowhere}: a link to a file that is not there; restore the file or remove the link")
-        return sorted((file for file in found if file.is_file()), key=_place_in_series)
-
     def _stale(self, file: Path) -> bool:
         """True where the file is as it was at the look before; not where it has gone."""
         try:
@@ -279,3 +273,6 @@ class PushFolderFeed:
 def _place_in_series(file: Path) -> tuple[float, str]:
     repetition = (push_facts(file) or PushFacts()).repetition
     return (math.inf if math.isnan(repetition) else repetition, file.name)
+
+
+Theta0Feed = Theta0CsvFeed | OwnTableFeed | PushFolderFeed
