@@ -126,9 +126,9 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
         found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
         for one in sweep.quantities:
             if one.listed:
-                found[one.written_name] = numbers(one.written(value) for value in sweep.lists[one.name][place].tolist())
+                found[one.written_name] = numbers(one.written(sweep.lists[one.name][place]).tolist())
             else:
-                found[one.written_name] = number(one.written(float(sweep.columns[one.name][place])))
+                found[one.written_name] = number(float(one.written(sweep.columns[one.name][place])))
         results.append({**found, "refusal": sweep.refusals[place] or None})
     return {
         **_status_report(status, store),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
@@ -85,13 +85,9 @@ class Quantity:
         """The unit in files."""
         return "degree" if self.unit == "rad" else self.unit
 
-    def written(self, value: float) -> float:
-        """The value as files have it."""
-        return float(self.written_array(np.array(value)))
-
-    def written_array(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values, of any shape, as files have them."""
-        return np.degrees(values) if self.unit == "rad" else values
+    def written(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Values (...), SI, as files have them."""
+        return np.asarray(np.degrees(values) if self.unit == "rad" else values, dtype=float)
 
 
 _FIXED = "fixed_point"
@@ -239,8 +235,8 @@ class PortraitNumbers:
         try:
             settings, said = without_noise(point.settings)
             loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
-            sigma = DEFAULT_SIGMA if said is None else said
-            work = self._coarse(loop, sigma) or _Work(_map_of(loop, self.tolerance), sigma, self.rotation_tolerance)
+            noise = WrappedNormal(DEFAULT_SIGMA if said is None else said)
+            work = self._coarse(loop, noise) or _Work(_map_of(loop, self.tolerance), noise, self.rotation_tolerance)
         except CycleMapError as error:
             return PointOutcome({}, str(error))
         values: Values = {}
@@ -252,11 +248,11 @@ class PortraitNumbers:
                 refusals.append(f"{group}: {error}")
         return PointOutcome(values, "; ".join(refusals))
 
-    def _coarse(self, loop: CollectionLoop, sigma: float) -> _Work | None:
+    def _coarse(self, loop: CollectionLoop, noise: WrappedNormal) -> _Work | None:
         """The coarser map where it settles all that is asked for."""
         if self.rotation_tolerance == 0.0 or not set(self.groups) <= set(CHEAP_GROUPS):
             return None
-        work = _Work(_map_of(loop, _COARSER * self.tolerance), sigma, self.rotation_tolerance)
+        work = _Work(_map_of(loop, _COARSER * self.tolerance), noise, self.rotation_tolerance)
         try:
             settled = ("rotation" not in self.groups or work.is_rotation_settled) and (
                 "fixed_points" not in self.groups or work.are_points_settled
@@ -275,15 +271,11 @@ def _map_of(loop: CollectionLoop, tolerance: float) -> CircleMap:
 
 @dataclass
 class _Work:
-    """A map, the noise (rad), and the operator of both once it is needed."""
+    """A map, the noise, and the operator of both once it is needed."""
 
     map: CircleMap
-    sigma: float
+    noise: WrappedNormal
     rotation_tolerance: float
-
-    @property
-    def noise(self) -> WrappedNormal:
-        return WrappedNormal(self.sigma)
 
     @cached_property
     def rotation(self) -> RotationNumber:
@@ -324,10 +316,6 @@ class _Work:
         return transfer_operator(self.map, self.noise)
 
 
-def _map_values(work: _Work) -> Values:
-    return {"samples": float(work.map.samples), "max_error": float(work.map.max_error)}
-
-
 def _rotation_values(work: _Work) -> Values:
     found = work.rotation
     winding, period = (0, 0) if found.locked is None else (found.locked.numerator, found.locked.denominator)
@@ -353,17 +341,6 @@ def _fixed_point_values(work: _Work) -> Values:
     }
 
 
-def _turn_values(work: _Work) -> Values:
-    turns = turn_statistics(work.map)
-    return {
-        "mean_turn": turns.mean,
-        "min_turn": turns.minimum,
-        "max_turn": turns.maximum,
-        "min_slope": turns.min_slope,
-        "max_slope": turns.max_slope,
-    }
-
-
 def _stationary_values(work: _Work) -> Values:
     operator = work.operator
     # The gap without the error bound that it has in a portrait, which takes as long as all the rest.
@@ -385,10 +362,12 @@ def _staircase_values(work: _Work) -> Values:
 
 
 _FOUND: dict[str, Callable[[_Work], Values]] = {
-    "map": _map_values,
+    "map": lambda work: {"samples": float(work.map.samples), "max_error": float(work.map.max_error)},
     "rotation": _rotation_values,
     "fixed_points": _fixed_point_values,
-    "turns": _turn_values,
+    "turns": lambda work: dict(
+        zip((one.name for one in GROUPS["turns"]), astuple(turn_statistics(work.map)), strict=True)
+    ),
     "stationary": _stationary_values,
     "staircase": _staircase_values,
 }

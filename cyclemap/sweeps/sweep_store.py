@@ -11,7 +11,7 @@ import json
 import math
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -52,7 +52,7 @@ class SweepStatus:
         return self.stored == self.points
 
 
-class SweepStore:
+class SweepStore(AbstractContextManager["SweepStore"]):
     """An open store; use it in a `with` block.
 
     Raises DataFileError for a file that is damaged or no store of a sweep, InvalidInput for the store of another
@@ -76,9 +76,6 @@ class SweepStore:
         except BaseException:
             self.connection.close()
             raise
-
-    def __enter__(self) -> "SweepStore":
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

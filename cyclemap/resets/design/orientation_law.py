@@ -129,7 +129,7 @@ def orientation_law(
     positive_number("sigma", sigma)
     count = whole_number("pushes", pushes, least=1)
     sizes = [size for size in _MODES if size <= max(turn.shape[-1] // 4, _MODES[0])] if modes is None else [modes]
-    found: list[tuple[float, float]] = []
+    found, error = (math.nan, math.nan), math.nan
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
         start = long_run(steps[-1])
@@ -137,11 +137,12 @@ def orientation_law(
         whole, rest = divmod(count, len(steps))
         end = repeated(steps[-1], whole)
         ended = then(steps[rest - 1], end) if rest else end
-        found.append((min(float(total_variation(law)), 1.0), float(farthest(ended))))
-        if len(found) > 1 and _change(found) <= _SAME:
+        before, found = found, (min(float(total_variation(law)), 1.0), float(farthest(ended)))
+        error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))
+        if error <= _SAME:
             break
     density = (1.0 + law @ _waves(size, DENSITY_SAMPLES)) / TWO_PI
-    return OrientationLaw(*found[-1], count, size, _change(found) if len(found) > 1 else math.nan, density)
+    return OrientationLaw(*found, count, size, error, density)
 
 
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
@@ -153,10 +154,6 @@ def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: in
     """
     steps = _steps(affine_kernels(turn, min(modes, turn.shape[-1] // 4), sigma), strategy)
     return float(np.abs(np.linalg.eigvals(steps[-1][:, :-1])).max() ** (1.0 / len(steps)))
-
-
-def _change(found: list[tuple[float, float]]) -> float:
-    return max(abs(now - before) for now, before in zip(found[-1], found[-2], strict=True))
 
 
 def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:

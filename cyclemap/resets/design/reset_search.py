@@ -9,7 +9,6 @@ from functools import reduce
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -69,27 +68,6 @@ class Candidates:
     shares: Array
     tv: Array
     after: Array
-
-    @property
-    def sizes(self) -> NDArray[np.int64]:
-        """How many actions each mixture has, (n,)."""
-        return np.asarray((self.shares > 0.0).sum(axis=1))
-
-    @property
-    def equal(self) -> NDArray[np.bool_]:
-        """Whether all of its actions come equally often, (n,)."""
-        largest = self.shares.max(axis=1)
-        return np.asarray(np.abs(self.shares.sum(axis=1) - self.sizes * largest) < 1e-9)
-
-    @property
-    def contact(self) -> Array:
-        """The shortest contact (m) of any of its pushes, (n,)."""
-        return np.asarray(np.where(self.shares > 0.0, self.source.contact, np.inf).min(axis=1))
-
-    @property
-    def drag_length(self) -> Array:
-        """The mean drag (m), (n,), on the nominal material."""
-        return np.asarray(self.shares @ self.source.turns.drag_length[0])
 
     def strategy(self, index: int) -> ResetStrategy:
         """Return one of them as a strategy, actions in random order."""
@@ -169,25 +147,40 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
     actions and the best 150 of three and of four on all materials; then the best 40 of two or three with all weights
     of one to three parts.
     """
-    count, rough = len(source.actions), _rough_look(source)
+    # Roughly: on the nominal material and the two farthest away, with fewer harmonics.
+    turn, chosen = source.turns.turn, [0]
+    while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
+        apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
+        chosen.append(int(np.argmax(apart)))
+    kept, count = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES)], len(source.actions)
+    rough = replace(source, kernels=source.kernels[np.ix_(chosen, range(count), kept, [*kept, 2 * _MODES])])
     found = Candidates(source, np.empty((0, count)), np.empty(0), np.empty(0))
     for size in range(1, min(MOST_TOGETHER, count) + 1):
         subsets = np.array(list(combinations(range(count), size)))
         shares = np.zeros((len(subsets), count))
         np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
-        tv = _worst(rough, shares, None)[0]
-        found = found.joined(
-            scored(source, shares[np.argsort(tv, kind="stable")[: _KEPT if size > 2 else None]], within)
-        )
+        order = np.argsort(scored(rough, shares).tv, kind="stable")
+        found = found.joined(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    few = np.flatnonzero((found.sizes > 1) & (found.sizes < MOST_TOGETHER))
+    sizes = (found.shares > 0.0).sum(axis=1)
+    few = np.flatnonzero((sizes > 1) & (sizes < MOST_TOGETHER))
     best = few[np.argsort(found.after[few], kind="stable")[:_WEIGHED]]
     return found.joined(scored(source, _weighed(found.shares[best]), within))
 
 
-def scored(source: ActionSet, shares: Array, within: int) -> Candidates:
-    """Return mixtures with the given shares (n, k), over the whole range."""
-    return Candidates(source, shares, *_worst(source, shares, within))
+def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candidates:
+    """Return mixtures with the given shares (n, k) and their total variations at the worst of the range.
+
+    Without `within` those after so many pushes are not looked at.
+    """
+    tv, after = np.zeros(len(shares)), np.zeros(len(shares))
+    for kernels in source.kernels:
+        for rows in np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE)) if len(shares) else ():
+            mixed = np.tensordot(shares[rows], kernels, axes=1)
+            tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
+            if within is not None:
+                after[rows] = np.maximum(after[rows], farthest(repeated(mixed, within), _STARTS, _PLACES))
+    return Candidates(source, shares, tv, after)
 
 
 def _action_set(
@@ -223,28 +216,3 @@ def _weighed(shares: Array) -> Array:
                 made[chosen] = np.array(parts) / sum(parts)
                 rows.append(made)
     return np.array(rows).reshape(-1, shares.shape[1])
-
-
-def _rough_look(source: ActionSet) -> ActionSet:
-    """The same actions on the nominal material and the two farthest away, with fewer harmonics."""
-    turn, chosen = source.turns.turn, [0]
-    while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
-        apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
-        chosen.append(int(np.argmax(apart)))
-    kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES)]
-    return replace(source, kernels=source.kernels[np.ix_(chosen, range(turn.shape[1]), kept, [*kept, 2 * _MODES])])
-
-
-def _worst(source: ActionSet, shares: Array, within: int | None) -> tuple[Array, Array]:
-    """The total variations of mixtures (n, k) at the worst of the range: in the long run, and after `within` pushes.
-
-    Without `within` the latter are not looked at.
-    """
-    tv, after = np.zeros(len(shares)), np.zeros(len(shares))
-    for kernels in source.kernels:
-        for rows in np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE)) if len(shares) else ():
-            mixed = np.tensordot(shares[rows], kernels, axes=1)
-            tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
-            if within is not None:
-                after[rows] = np.maximum(after[rows], farthest(repeated(mixed, within), _STARTS, _PLACES))
-    return tv, after
