@@ -28,11 +28,11 @@ from cyclemap.collection.setting_table import (
     setting_named,
     without_noise,
 )
-from cyclemap.collection.settings import OWN_OUTLINE, warn_of_defaults
+from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
 from cyclemap.maps import WrappedNormal
-from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, load_material, parse_footprint
+from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, parse_footprint
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import key_place, read_text, read_toml
@@ -196,17 +196,6 @@ def _is_surface(name: str, table: object) -> bool:
 def names_surface(path: str | Path) -> bool:
     """Whether a file tells a whole surface, as a material file does."""
     return any(_is_surface(*entry) for entry in read_toml(path).items())
-
-
-def read_collection(path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
-    """Return the loop of a file; `surface`: a material, or a material file, in place of the file's own.
-
-    What the file does not say is MIT's; where its object is not, a `DoubtfulInput` warning tells what that is.
-    """
-    settings, _ = without_noise(read_settings(path))
-    material = load_material(surface or (path if names_surface(path) else "isotropic"))
-    warn_of_defaults(settings)
-    return CollectionLoop.from_settings(settings, CollectionLoop.mit(material))
 
 
 def data_settings(data: str | Path) -> Settings:

@@ -146,20 +146,11 @@ class Prediction:
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
         turn, (p, q) = self.fingerprint.cycle.turn, harmonics(self.fingerprint.cycle, self.anisotropy)
-
-        def lift(theta: Array) -> Array:
-            z = np.exp(1j * theta)
-            return np.asarray(theta + turn + (z * (p + q * z)).real)
-
-        def derivative(theta: Array) -> Array:
-            z = np.exp(1j * theta)
-            return np.asarray(1.0 - (z * (p + 2.0 * q * z)).imag)
-
-        def one(theta: float) -> float:
-            z = cmath.exp(1j * theta)
-            return theta + turn + (z * (p + q * z)).real
-
-        return CircleMap.with_scalar(lift, derivative, one)
+        return CircleMap.with_scalar(
+            lambda theta: theta + turn + (p * np.exp(1j * theta) + q * np.exp(2j * theta)).real,
+            lambda theta: 1.0 - (p * np.exp(1j * theta) + 2.0 * q * np.exp(2j * theta)).imag,
+            lambda theta: theta + turn + (p * cmath.exp(1j * theta) + q * cmath.exp(2j * theta)).real,
+        )
 
     @cached_property
     def ratio(self) -> float:

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.settings import apply_settings, with_material
+from cyclemap.collection.setting_table import without_noise
+from cyclemap.collection.settings import apply_settings, warn_of_defaults, with_material
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
@@ -173,7 +174,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
 class CycleSensitivity:
     """Derivatives of one cycle.
 
-    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, k), derivatives of
+    theta_next : rad. `by("theta")` is d theta_next / d theta, the multiplier. jacobian : (6, k), derivatives of
     `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next) by `parameters`, SI units and radians.
     """
 
@@ -182,11 +183,6 @@ class CycleSensitivity:
     jacobian: NDArray[np.float64]
     parameters: tuple[str, ...] = PARAMETERS
     outputs: tuple[str, ...] = CYCLE_OUTPUTS
-
-    @property
-    def by_theta(self) -> float:
-        """Derivative of theta_next by theta."""
-        return self.by("theta")
 
     def by(self, parameter: str, output: str = "theta_next") -> float:
         """Return the derivative of an output by a parameter, both by name."""
@@ -234,10 +230,17 @@ class CollectionLoop:
 
     @classmethod
     def from_file(cls, path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
-        """Return the loop of a collection file, such as `cyclemap init` writes; see `read_collection`."""
-        from cyclemap.collection.collection_file import read_collection
+        """Return the loop of a collection file, such as `cyclemap init` writes.
 
-        return read_collection(path, surface)
+        surface : a material, or a material file, in place of the file's own. What the file does not say is MIT's; where
+        its object is not, a `DoubtfulInput` warning tells what that is. Raises DataFileError for a file that is none.
+        """
+        from cyclemap.collection.collection_file import names_surface, read_settings
+
+        settings, _ = without_noise(read_settings(path))
+        material = load_material(surface or (path if names_surface(path) else "isotropic"))
+        warn_of_defaults(settings)
+        return cls.from_settings(settings, cls.mit(material))
 
     @classmethod
     def from_settings(cls, settings: dict[str, object], base: CollectionLoop | None = None) -> CollectionLoop:

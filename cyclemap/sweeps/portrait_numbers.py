@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,21 +58,16 @@ def code_version() -> str:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that every point has, or a list of numbers (`listed`) of which it has as many as there are.
+    """A number that every point has, or a list of numbers of which it has as many as there are.
 
     unit : "rad", "1", "cycles" or "turns/cycle"; angles are kept in rad and written in degrees.
-    many : the name of what a list runs over.
+    many : the name of what a list runs over, empty for a number.
     """
 
     name: str
     unit: str
     meaning: str
     many: str = ""
-
-    @property
-    def listed(self) -> bool:
-        """Whether a point has any number of these."""
-        return bool(self.many)
 
     @property
     def written_name(self) -> str:
@@ -175,27 +169,9 @@ class PointOutcome:
     refusal: str = ""
 
 
-class PointNumbers(Protocol):
-    """What a sweep asks of every point: picklable, and the same outcome for the same point, wherever it runs."""
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """What an outcome may hold."""
-
-    @property
-    def version(self) -> str:
-        """Which code finds the numbers; outcomes of another version are never mixed in."""
-
-    def described(self) -> dict[str, object]:
-        """What else the numbers depend on, as JSON takes it."""
-
-    def __call__(self, point: SweptPoint) -> PointOutcome:
-        """Find the numbers of a point."""
-
-
 @dataclass(frozen=True)
 class PortraitNumbers:
-    """Some groups of the portrait's numbers.
+    """What a sweep asks of every point: some groups of the portrait's numbers.
 
     groups : of `GROUPS`; "map" is always among them. tolerance : of the cycle map, rad.
     rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
@@ -223,11 +199,11 @@ class PortraitNumbers:
 
     @property
     def version(self) -> str:
-        """A digest of the code."""
+        """A digest of the code that finds the numbers; outcomes of another are never mixed in."""
         return code_version()
 
     def described(self) -> dict[str, object]:
-        """The groups and tolerances."""
+        """The groups and tolerances: what else the numbers depend on, as JSON takes it."""
         return {"groups": list(self.groups), "tolerance": self.tolerance, "rotation_tolerance": self.rotation_tolerance}
 
     def __call__(self, point: SweptPoint) -> PointOutcome:
@@ -254,12 +230,15 @@ class PortraitNumbers:
             return None
         work = _Work(_map_of(loop, _COARSER * self.tolerance), noise, self.rotation_tolerance)
         try:
-            settled = ("rotation" not in self.groups or work.is_rotation_settled) and (
-                "fixed_points" not in self.groups or work.are_points_settled
-            )
+            if "rotation" in self.groups and is_nondecreasing(work.map):
+                # Maps that fold have an interval anyway; whether the number is told as finely as asked, soon.
+                found = rotation_number(work.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES)
+                if found.locked is None and found.upper - found.lower > 2.0 * self.rotation_tolerance:
+                    return None
+                work.rotation = found
+            return work if "fixed_points" not in self.groups or work.are_points_settled else None
         except CycleMapError:
             return None
-        return work if settled else None
 
 
 # A coarser and a finer one.
@@ -284,15 +263,6 @@ class _Work:
     @cached_property
     def points(self) -> list[Orbit]:
         return fixed_points(self.map)
-
-    @property
-    def is_rotation_settled(self) -> bool:
-        """Whether the rotation number is told as finely as asked, soon; maps that fold have an interval anyway."""
-        if not is_nondecreasing(self.map):
-            return True
-        found = rotation_number(self.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES)
-        self.rotation = found
-        return found.locked is not None or found.upper - found.lower <= 2.0 * self.rotation_tolerance
 
     @property
     def are_points_settled(self) -> bool:

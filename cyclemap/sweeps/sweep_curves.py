@@ -85,7 +85,7 @@ def _chosen(sweep: Sweep, names: tuple[str, ...]) -> tuple[tuple[Quantity, Array
     """Quantities with their values as they are written; by default the rotation number and the stable points."""
     told = names or tuple(name for name in ("rotation", "stable_points") if name in sweep.columns)
     chosen = [sweep.quantity(name) for name in told or tuple(sweep.columns)[:2]]
-    listed = next((one.name for one in chosen if one.listed), None)
+    listed = next((one.name for one in chosen if one.many), None)
     if listed is not None:
         raise InvalidInput(f"{listed} is a list at each point: draw a quantity that is one number")
     return tuple((one, one.written(sweep.columns[one.name])) for one in chosen)
@@ -113,7 +113,11 @@ def axis_places(axis: SweepAxis) -> Array:
 
 def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
     """Points in the order of the axis; a sample's are put in the order of their values."""
-    axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(sorted(set(sweep.swept[key]), key=_order)))
+    # Numbers by size, then words.
+    values = sorted(
+        set(sweep.swept[key]), key=lambda one: (0, one, "") if isinstance(one, float) else (1, 0.0, str(one))
+    )
+    axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(values))
     (place,) = replace(sweep, axes=(axis,)).places()
     parameter = axis_places(axis)[place]
     order = np.argsort(parameter, kind="stable")
@@ -130,7 +134,3 @@ def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
         at = np.repeat(parameter, [values.size for values in theta])
         points = at, np.degrees(np.concatenate(theta)), np.concatenate(stable) == 1.0
     return SweptLines(axis, parameter[order], lines, rotation_at, rotation, points, refused)
-
-
-def _order(value: object) -> tuple[bool, float, str]:
-    return (True, 0.0, str(value)) if not isinstance(value, float) else (False, value, "")

@@ -24,7 +24,7 @@ from cyclemap.sweeps.point_sets import (
     check_key,
     checked_value,
 )
-from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, SweptPoint
+from cyclemap.sweeps.portrait_numbers import PortraitNumbers, SweptPoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class SweepPlan:
     points: PointSet
     material: str | Path | Material | None = None
     settings: Mapping[str, object] = field(default_factory=dict)
-    numbers: PointNumbers = PortraitNumbers()
+    numbers: PortraitNumbers = PortraitNumbers()
     materials: Mapping[str, Material] = field(init=False)
     footprint_files: Mapping[str, str] = field(init=False)
 
@@ -83,7 +83,7 @@ class SweepPlan:
         material: str | Path | Material | None,
         over: Mapping[str, Sequence[object]],
         settings: Mapping[str, object] | None = None,
-        numbers: PointNumbers | None = None,
+        numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
         """Return the plan of every combination of the values in `over`, the last key running fastest."""
         axes = tuple(SweepAxis(key, values) for key, values in _listed(over, "values").items())
@@ -98,7 +98,7 @@ class SweepPlan:
         seed: int = 0,
         sequence: str = "sobol",
         settings: Mapping[str, object] | None = None,
-        numbers: PointNumbers | None = None,
+        numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
         """Return the plan of `count` points spread over the ranges (low, high) in `over`."""
         ends = _listed(over, "ends")

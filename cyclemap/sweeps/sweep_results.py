@@ -171,23 +171,18 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
         axes=tuple(SweepAxis(key, tuple(values)) for key, values in axes.items()),
         quantities=quantities,
         number=np.array([row["number"] for row in rows], dtype=np.int64),
-        swept={key: tuple(_plain(row[key]) for row in rows) for key in keys},
+        swept={key: tuple(row[key] for row in rows) for key in keys},
         columns={
-            one.name: np.array([row[one.name] for row in rows], dtype=float) for one in quantities if not one.listed
+            one.name: np.array([row[one.name] for row in rows], dtype=float) for one in quantities if not one.many
         },
         lists={
             one.name: tuple(np.array(row[one.name] or (), dtype=float) for row in rows)
             for one in quantities
-            if one.listed
+            if one.many
         },
         refusals=tuple(str(row["refusal"]) for row in rows),
         description=description,
     )
-
-
-def _plain(value: Any) -> object:
-    """A swept value as the plan has it: points are kept as JSON."""
-    return tuple(map(tuple, json.loads(value))) if isinstance(value, str) and value.startswith("[[") else value
 
 
 _KEY_UNITS = {"_deg": "degree", "_mm": "mm", "_kg": "kg"}
@@ -202,9 +197,9 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
     import pandas
 
     table: dict[str, Any] = {"number": sweep.number, **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys}}
-    table |= {one.written_name: one.written(sweep.columns[one.name]) for one in sweep.quantities if not one.listed}
+    table |= {one.written_name: one.written(sweep.columns[one.name]) for one in sweep.quantities if not one.many}
     for one in sweep.quantities:
-        if one.listed:
+        if one.many:
             table |= {f"{one.written_name}_{k}": values for k, values in enumerate(_padded(sweep, one).T, 1)}
     text = pandas.DataFrame({**table, REFUSAL: sweep.refusals}).to_csv(index=False, lineterminator="\n")
     write_whole(Path(path), text.encode())
@@ -237,7 +232,7 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     for one in sweep.quantities:
         attributes = {"units": one.written_unit, "long_name": one.meaning}
-        if not one.listed:
+        if not one.many:
             values = np.full(shape, np.nan)
             values[at] = one.written(sweep.columns[one.name])
             variables[one.written_name] = (dimensions, values, attributes)

@@ -106,6 +106,9 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
                 found = dict(zip(names, row, strict=True))
                 found.update({name: tuple(json.loads(found[name])) for name in lists if found[name] is not None})
+                # Swept points, as against words.
+                texts = {key: found[key] for key in keys if str(found[key]).startswith("[[")}
+                found.update({key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()})
                 yield found
 
     # -- writing -------------------------------------------------------------------------------------------

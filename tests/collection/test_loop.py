@@ -21,8 +21,8 @@ def test_the_multiplier_is_the_slope_of_the_cycle_map(theta):
     loop = replace(MIT, accuracy=1e-11)
     found, step = loop.sensitivity(theta), 2e-5
     near, far = (loop.cycle(theta + k * step).theta_next - loop.cycle(theta - k * step).theta_next for k in (1, 2))
-    assert abs(found.by_theta - (8.0 * near - far) / (12.0 * step)) < 1e-6
-    assert found.by_theta == found.by("theta") == found.by("theta", "theta_next")
+    assert abs(found.by("theta") - (8.0 * near - far) / (12.0 * step)) < 1e-6
+    assert found.by("theta") == found.by("theta", "theta_next")
     assert abs(found.theta_next - loop.cycle(theta).theta_next) < 1e-14
 
 

@@ -105,7 +105,7 @@ def test_a_change_of_any_character_is_noticed_unless_the_checksum_is_taken_out(t
         ('kind = "drawn-pushes"', "kind = 'drawn-pushes' is how earlier versions said it: give order"),
         ("", "actions is missing"),
         ("actions = []", "actions must be one or more tables"),
-        ('order = "sobol"\nactions = [{ gripper_turn_deg = 1 }]', "order = 'sobol': it must be one of"),
+        ('order = "sobol"\nactions = [{ gripper_turn_deg = 1 }]', "order is 'sobol'; it must be one of"),
         ("order = 'shuffled'\nblock = 1000000000\nactions = [{ gripper_turn_deg = 1 }]", "is larger than 10000"),
         ("block = 2\nactions = [{ gripper_turn_deg = 1 }]", "belongs to the order 'shuffled'"),
         ("actions = [{}]", "actions]] 1: it is empty"),
@@ -118,7 +118,10 @@ def test_a_change_of_any_character_is_noticed_unless_the_checksum_is_taken_out(t
         ("actions = [{ way_points_mm = [[1, 2, 3]] }]", "way_points_mm must hold [x, y]"),
         ("actions = [{ gripper_turn_deg = true }]", "must be a number"),
         ("actions = [{ gripper_turn_deg = 1, weight = 1 }, { gripper_turn_deg = 2 }]", "1 of 2 actions have a weight"),
-        ("order = 'in turn'\nactions = [{ gripper_turn_deg = 1, weight = 1 }]", "actions in turn have no weight"),
+        (
+            "order = 'in turn'\nactions = [{ gripper_turn_deg = 1, weight = 1 }, { way_points_mm = [], weight = 2 }]",
+            "actions in turn are all alike",
+        ),
         ("hitch_mm = 3\nactions = [{ gripper_turn_deg = 1 }]", "hitch_mm must hold [x, y]"),
     ],
 )

@@ -91,8 +91,8 @@ def test_rests_of_up_to_four_directions_are_found_with_their_directions(period) 
 
 
 def test_a_steady_climb_is_a_rest_exactly_where_it_is_slower_than_the_rule_says() -> None:
-    rule = WIDE
-    slow, fast = (rest_evidence_of(share * rule.slowest_climb * np.arange(150), rule)[-1] for share in (0.98, 1.02))
+    climb = 2.0 * WIDTH / (WIDE.window + 1) * np.arange(150)
+    slow, fast = (rest_evidence_of(share * climb)[-1] for share in (0.98, 1.02))
     assert slow > 50.0
     assert fast <= 1e-12
 

@@ -35,10 +35,9 @@ from cyclemap.resets.design.reset_ranking import (
     Pool,
     ResetDemands,
     gathered,
-    least_of,
     picked,
 )
-from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, gripper_turned, push_set, random_legs, searched
+from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
 from cyclemap.resets.design.strategy import (
     IN_TURN,
     RANDOM,
@@ -159,8 +158,8 @@ def design_reset(
     positive_number("sigma", sigma)
     pool = _pool(nominal, wanted, about, sigma, report)
     for firm in FIRM:
-        picks, misses = picked(pool, wanted, firm)
-        if misses:
+        picks, binding = picked(pool, wanted, firm)
+        if binding:
             break
         # A closer look, on all materials.
         best = picks[0][1]
@@ -168,7 +167,6 @@ def design_reset(
         laws = [orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns]
         if all(law.total_variation <= wanted.allow_tv and law.after <= wanted.allow_after for law in laws):
             break
-    binding = tuple(least_of(pool, name) for name in misses)
     roles: dict[ResetStrategy, list[str]] = {}
     for role, strategy in (*picks, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
         roles.setdefault(strategy, []).append(role)
@@ -177,7 +175,7 @@ def design_reset(
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
     rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     return ResetDesign(
-        loop, sigma, wanted, about, rows, not misses and not rows[0].misses, binding,
+        loop, sigma, wanted, about, rows, not binding and not rows[0].misses, binding,
         independent_distance(wanted.pushes), **course,
     )  # fmt: skip
 
@@ -186,7 +184,7 @@ def _pool(
     loop: CollectionLoop, demands: ResetDemands, about: MaterialRange, sigma: float, report: Callable[[float], None]
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
-    parts = [make(loop, about, sigma, demands.within) for make in (random_legs, gripper_turned)]
+    parts = own_pushes(loop, about, sigma, demands.within)
     places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
     if RING in demands.abilities and not demands.keep_push:
         x, y = loop.slider.hitch

@@ -166,8 +166,11 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
 
 def picked(
     pool: Pool, demands: ResetDemands, firm: float = FIRM[0]
-) -> tuple[list[tuple[str, ResetStrategy]], tuple[str, ...]]:
-    """The rows to tell, by role, the chosen one first, and the demands that it misses by the search's numbers."""
+) -> tuple[list[tuple[str, ResetStrategy]], tuple[Limit, ...]]:
+    """The rows to tell, by role, the chosen one first, and the demands that it misses by the search's numbers.
+
+    Of these demands the best that any candidate without a gripper reaches.
+    """
     able, excess, after = pool.able, pool.missed, pool.values[AFTER]
     meets = able & (excess == 0.0)
     simple = pool.actions + 1e-3 * pool.untidy
@@ -195,8 +198,11 @@ def picked(
             within = ones[excess[ones] == 0.0]
             ones = within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
             roles.append((role, min(ones.tolist(), key=lambda i: after[i])))
-    misses = tuple(name for name in pool.limits if pool.excess[name][best] > 0.0)
-    return [(role, pool.strategy(index)) for role, index in roles], misses
+    limits = []
+    for name in (name for name, excess_of in pool.excess.items() if excess_of[best] > 0.0):
+        least = int(np.argmin(np.where(pool.family == GRIPPER, np.inf, pool.excess[name])))
+        limits.append(Limit(name, float(pool.values[name][least]), pool.strategy(least)))
+    return [(role, pool.strategy(index)) for role, index in roles], tuple(limits)
 
 
 def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
@@ -206,9 +212,3 @@ def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int
     chosen = chosen[after[chosen] <= after[chosen].min() + tell]
     chosen = chosen[time[chosen] <= _SAME_COST * time[chosen].min()]
     return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))
-
-
-def least_of(pool: Pool, name: str) -> Limit:
-    """Return the best that any candidate without a gripper reaches of one demand."""
-    index = int(np.argmin(np.where(pool.family == GRIPPER, np.inf, pool.excess[name])))
-    return Limit(name, float(pool.values[name][index]), pool.strategy(index))

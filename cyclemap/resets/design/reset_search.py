@@ -82,11 +82,18 @@ class Candidates:
         return Candidates(self.source, *stacked)
 
 
-def gripper_turned(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
-    """Return the loop's own cycle followed by a gripper's turn: of half, quarter or 10° turns."""
-    made = _action_set(GRIPPER, loop, gripper_turns(36), about.searched, sigma)
+def own_pushes(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> list[Candidates]:
+    """Return what can be done with the loop's own push.
+
+    It is dragged back by legs of two lengths, each in eight directions drawn at random; or followed by a gripper's
+    turn, of half, quarter or 10° turns.
+    """
+    actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
+    dragged = _action_set("way back", loop, actions, about.searched, sigma)
+    each = np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS))
+    turned = _action_set(GRIPPER, loop, gripper_turns(36), about.searched, sigma)
     shares = np.array([[float(step % (36 // count) == 0) / count for step in range(36)] for count in (2, 4, 36)])
-    return scored(made, shares, within)
+    return [scored(dragged, each, within), scored(turned, shares, within)]
 
 
 def push_set(
@@ -131,13 +138,6 @@ def push_set(
     least_steep = tuple(made.actions[number] for number in chosen.tolist())
     contact, kernels = made.contact[chosen], made.kernels[:, chosen]
     return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
-
-
-def random_legs(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
-    """Return the loop's own push dragged back by legs of two lengths, each in eight directions drawn at random."""
-    actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
-    made = _action_set("way back", loop, actions, about.searched, sigma)
-    return scored(made, np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS)), within)
 
 
 def searched(source: ActionSet, within: int, progress: Callable[[float], None]) -> Candidates:

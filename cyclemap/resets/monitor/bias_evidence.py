@@ -30,7 +30,7 @@ _PEAK_KERNEL = math.radians(25.0)
 
 @dataclass(frozen=True)
 class RestRule:
-    """What counts as a rest.
+    """What counts as a rest. A steady climb slower than 2 half_width / (window + 1) a push, 1.2°, lingers, too.
 
     half_width : rad, below π/4. window : how many pushes a rest must have lasted before it is betted on.
     longest_period : rests on cycles of up to this many directions are looked for.
@@ -39,15 +39,6 @@ class RestRule:
     half_width: float = math.radians(3.0)
     window: int = 4
     longest_period: int = 4
-
-    @property
-    def slowest_climb(self) -> float:
-        """Rad a push: a steady climb slower than this lingers so long that it counts as a rest.
-
-        >>> round(math.degrees(RestRule().slowest_climb), 2)
-        1.2
-        """
-        return 2.0 * self.half_width / (self.window + 1)
 
 
 class RestEvidence:
@@ -146,6 +137,7 @@ class Rest:
     towards: tuple[float, ...]
 
 
+@dataclass
 class DirectionTrack:
     """A path that settles: its present place, and the limit of the linear law θ' = θ + s·(limit - θ) fitted to it.
 
@@ -160,36 +152,34 @@ class DirectionTrack:
     1.0
     """
 
-    def __init__(self, scatter: float) -> None:
-        self._prior = scatter**2
-        self._start = self._last = self.present = 0.0
-        # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from the start.
-        self._count = self._x = self._y = self._xx = self._xy = 0.0
-        self._begun = False
+    scatter: float
+    present: float = 0.0
+    start: float | None = None
+    last: float = 0.0
+    # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from the start.
+    sums: tuple[float, ...] = (0.0,) * 5
 
     def add(self, theta: float) -> None:
         """Take the next place (rad); steps are the shorter way round."""
-        if not self._begun:
-            self._begun, self._start, self._last, self.present = True, theta, theta, theta
+        if self.start is None:
+            self.start = self.last = self.present = theta
             return
-        step = float(shorter_way(theta - self._last))
-        x = self._last - self._start
-        sums = (self._count, self._x, self._y, self._xx, self._xy)
+        step, x = float(shorter_way(theta - self.last)), self.last - self.start
         news = (1.0, x, step, x * x, x * step)
-        fresh = (_MEMORY * old + new for old, new in zip(sums, news, strict=True))
-        self._count, self._x, self._y, self._xx, self._xy = fresh
-        self._last += step
-        self.present = _PRESENT * self.present + (1.0 - _PRESENT) * self._last
+        self.sums = tuple(_MEMORY * old + new for old, new in zip(self.sums, news, strict=True))
+        self.last += step
+        self.present = _PRESENT * self.present + (1.0 - _PRESENT) * self.last
 
     @property
     def limit(self) -> float:
         """Where the path settles, rad, not wrapped."""
-        if self._count == 0.0:
+        count, sum_x, sum_y, sum_xx, sum_xy = self.sums
+        if self.start is None or count == 0.0:
             return self.present
-        x, y = self._x / self._count, self._y / self._count
-        covariance, variance = self._xy - self._count * x * y, self._xx - self._count * x * x
-        pull = min(max(-covariance / (variance + self._prior), _LEAST_PULL), 1.0)
-        return self._start + x + y / pull
+        x, y = sum_x / count, sum_y / count
+        covariance, variance = sum_xy - count * x * y, sum_xx - count * x * x
+        pull = min(max(-covariance / (variance + self.scatter**2), _LEAST_PULL), 1.0)
+        return self.start + x + y / pull
 
 
 class VisitLaw:

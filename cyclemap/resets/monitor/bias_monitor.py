@@ -89,7 +89,7 @@ class BiasMonitor:
       at random;
     - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°), comes back within
       ``half_width`` with chance ½ at most: independent uniform θ0, turns that scatter by 3.3° or more, and steady walks
-      faster than ``RestRule.slowest_climb``, 1.2° a push: at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
+      faster than 1.2° a push (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
 
     What is slower, or comes round to the very same two, three or four directions, does raise the alarm: its law may be
     even in the long run, but its next hundred pushes repeat the last ones.
@@ -115,9 +115,8 @@ class BiasMonitor:
         self.coverage = Coverage()
         self._path: list[float] = []
         self._worth = [0.0]
-        self._changed = 0
         self._alarm: Alarm | None = None
-        self._begin()
+        self.reset_changed()
 
     @property
     def path(self) -> tuple[float, ...]:
@@ -158,7 +157,10 @@ class BiasMonitor:
         holds for each reset used. What has been covered stays covered.
         """
         self._changed = len(self._path)
-        self._begin()
+        self._rest = RestEvidence(_RULE, self._changed)
+        # Another stream of shuffles for each reset: none is used twice.
+        self._visits = VisitEvidence(seed=self._changed)
+        self._alarm = None
 
     @property
     def report(self) -> BiasReport:
@@ -181,12 +183,6 @@ class BiasMonitor:
             coverage=coverage,
             advice=Advice(self._alarm is not None, coverage.least_covered),
         )
-
-    def _begin(self) -> None:
-        self._rest = RestEvidence(_RULE, self._changed)
-        # Another stream of shuffles for each reset: none is used twice.
-        self._visits = VisitEvidence(seed=self._changed)
-        self._alarm = None
 
 
 def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[BiasReport, ...]:

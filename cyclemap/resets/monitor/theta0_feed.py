@@ -7,7 +7,7 @@ import hashlib
 import math
 import stat
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
@@ -161,16 +161,18 @@ class Theta0CsvFeed:
         return [theta]
 
 
+@dataclass
 class OwnTableFeed:
     """The orientations of a table with other columns.
 
     It is read whole whenever it has changed: where its first rows are no longer what they were, it began anew.
     """
 
-    def __init__(self, path: Path, columns: Mapping[str, str], units: Sequence[str]) -> None:
-        self.path, self._asked = path, (columns, units)
-        self._fed: tuple[float, ...] = ()
-        self._seen: tuple[int, int] | None = None
+    path: Path
+    columns: Mapping[str, str]
+    units: Sequence[str]
+    _fed: tuple[float, ...] = ()
+    _seen: tuple[int, int] | None = None
 
     def look(self, finished: bool = False) -> NewOrientations:
         """The θ0 of the rows added since the last look; DataFileError where `read_orientations` raises it.
@@ -186,13 +188,14 @@ class OwnTableFeed:
         now = (status.st_size, status.st_mtime_ns)
         if not finished and (now == self._seen or (self.path.is_file() and self.path.read_bytes().count(b"\n") < 2)):
             return NewOrientations(())
-        found = read_orientations(self.path, *self._asked, growing=not finished)
+        found = read_orientations(self.path, self.columns, self.units, growing=not finished)
         theta, fed = tuple(found.columns["theta0"].tolist()), self._fed
         self._seen, self._fed = now, theta
         anew = theta[: len(fed)] != fed
         return NewOrientations(theta if anew else theta[len(fed) :], anew, found.words, found.guessed)
 
 
+@dataclass
 class PushFolderFeed:
     """The first orientation of each recorded push in a folder (MIT layout), by repetition, then by name.
 
@@ -201,11 +204,10 @@ class PushFolderFeed:
     ``finished``, it is an error. Between two looks the folder may be away; once it is back it is read from its start.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self._taken: set[Path] = set()
-        self._doubtful: tuple[Path, int, int] | None = None
-        self._dropped = False
+    path: Path
+    _taken: set[Path] = field(default_factory=set)
+    _doubtful: tuple[Path, int, int] | None = None
+    _dropped: bool = False
 
     def look(self, finished: bool = False) -> NewOrientations:
         """The θ0 of the files added since the last look, none while the folder is away.

@@ -13,7 +13,7 @@ from cyclemap.collection.setting_table import Settings
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
+from cyclemap.resets.design.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
 from cyclemap.text_files import read_toml, write_whole
 
 Prediction = Mapping[str, object]
@@ -143,9 +143,6 @@ def _strategy(table: object) -> ResetStrategy:
         rows = given["actions"]
         if not isinstance(rows, list) or not rows:
             raise InvalidInput("actions must be one or more tables [[strategy.actions]]")
-        order = given.get("order", RANDOM)
-        if order not in ORDERS:
-            raise InvalidInput(f"order = {order!r}: it must be one of {', '.join(ORDERS)}")
         block = None if "block" not in given else whole_number("block", given["block"], least=1)
         hitch = None if "hitch_mm" not in given else _point("hitch_mm", given["hitch_mm"])
     actions, weights = [], []
@@ -158,9 +155,7 @@ def _strategy(table: object) -> ResetStrategy:
     with located("[strategy]"):
         if len(told) not in (0, len(weights)):
             raise InvalidInput(f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or none")
-        if told and order == IN_TURN:
-            raise InvalidInput(f"actions {IN_TURN} have no weight: leave it out, or take order {RANDOM} or {SHUFFLED}")
-        return ResetStrategy(tuple(actions), tuple(told) or None, str(order), block, hitch)
+        return ResetStrategy(tuple(actions), tuple(told) or None, str(given.get("order", RANDOM)), block, hitch)
 
 
 def _action(row: object) -> tuple[CycleAction, float | None]:
