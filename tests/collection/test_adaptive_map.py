@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.errors import InvalidInput
 
 FULL_TURN = 2.0 * math.pi
 
@@ -118,8 +118,7 @@ def test_progress_rises_to_one():
 @pytest.mark.parametrize("tolerance", [0.0, -1e-6, math.nan, "fine"])
 def test_tolerance_must_be_positive(tolerance):
     """A tolerance that is no positive number is refused by name."""
-    with pytest.raises(InvalidInput, match="tolerance"):
-        sampled(smooth, tolerance)
+    refused(sampled, smooth, tolerance, told="tolerance")
 
 
 @pytest.mark.parametrize("beside", [-9e-11, -3e-11, 3e-11, 9e-11])

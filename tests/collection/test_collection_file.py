@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.collection_file import FILE_NAME, collection_text, data_settings, names_surface, read_settings
@@ -86,8 +87,7 @@ def test_a_later_outline_takes_the_place_of_an_earlier_one() -> None:
 
 
 def test_a_file_that_is_neither_is_refused(tmp_path) -> None:
-    with pytest.raises(DataFileError, match="did you mean 'push_mm'"):
-        read_settings(written(tmp_path, "[push]\npush_m = 3\n"))
+    refused(read_settings, written(tmp_path, "[push]\npush_m = 3\n"), told="did you mean 'push_mm'", kind=DataFileError)
 
 
 @pytest.mark.parametrize("shape", ["rect1", "hex", "tri1", "ellip2"])

@@ -7,7 +7,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.resets import CycleAction, ResetStrategy, legs, map_turns, sample_turns, strategy_maps
-from cyclemap.resets.design.action_cycles import contact_lengths, room_needed, seconds
+from cyclemap.resets.design.action_cycles import contact_lengths, room_needed
 
 LOOP = cm.CollectionLoop.mit()
 ACTIONS = (CycleAction(push=cm.SidePush(2, 0.85)), *legs(0.1, 3)[1:2], CycleAction(turn=0.7))
@@ -57,8 +57,3 @@ def test_the_room_holds_rod_and_object_all_along() -> None:
         assert np.hypot(*course.pusher.T).max() + LOOP.pusher.radius <= room + 1e-9
     far = room_needed(LOOP, legs(0.3, 4)[0])
     assert far >= 0.3 + LOOP.pusher.radius
-
-
-def test_the_time_of_cycles_is_that_of_the_robot() -> None:
-    """20 mm/s in contact, 10 s for all else, 10 s more for a gripper."""
-    assert seconds(np.array([0.2, 0.3, 0.2]), np.array([0.0, 0.0, 0.5])).tolist() == [20.0, 25.0, 25.0]

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
 from cyclemap.resets.monitor.coverage import CELLS, Coverage, Crowding, next_action
@@ -62,9 +62,10 @@ def test_the_least_covered_direction_is_the_least_visited_one_where_all_are_visi
 
 
 def test_one_push_covers_its_reach_and_leaves_the_rest_as_a_gap() -> None:
-    state = covering([1.0]).state()
+    state, nothing = covering([1.0]).state(), Coverage().state()
+    assert (nothing.covered, nothing.effective_pushes, nothing.gain) == (0.0, 0.0, 1.0)
     assert state.covered == pytest.approx(10.0 / 360.0, abs=1.0 / CELLS)
-    assert state.largest_gap == pytest.approx(2 * np.pi)
+    assert state.largest_gap == nothing.largest_gap == pytest.approx(2 * np.pi)
     assert state.gap_centre == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
     assert state.least_covered == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
 
@@ -75,12 +76,6 @@ def test_whole_turns_make_no_difference() -> None:
     assert plain.covered == pytest.approx(turned.covered, abs=2.0 / CELLS)
     assert plain.effective_pushes == pytest.approx(turned.effective_pushes, rel=1e-9)
     assert plain.largest_gap == pytest.approx(turned.largest_gap, abs=np.radians(1.1))
-
-
-def test_nothing_recorded_is_nothing_covered() -> None:
-    state = Coverage().state()
-    assert (state.covered, state.effective_pushes, state.gain) == (0.0, 0.0, 1.0)
-    assert state.largest_gap == pytest.approx(2 * np.pi)
 
 
 def test_crowding_is_the_density_of_the_recorded_directions_over_its_mean() -> None:
@@ -114,5 +109,4 @@ def test_the_next_action_is_the_one_that_lands_where_least_is_recorded() -> None
     assert chosen.crowding == pytest.approx(float(coverage.crowding.at(np.array([[1.0 + np.pi]]))[0, 0]))
     assert next_action(maps, Coverage(), 1.0).number == 0
     for bad, maps_given in ((math.nan, maps), (1.0, [])):
-        with pytest.raises(InvalidInput):
-            next_action(maps_given, coverage, bad)
+        refused(next_action, maps_given, coverage, bad)

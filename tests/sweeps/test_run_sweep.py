@@ -9,8 +9,9 @@ import distributed
 import numpy as np
 import pytest
 from fake_numbers import FakeNumbers, fake_plan, logged
+from refusals import refused
 
-from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.errors import CycleMapError
 from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, sweep_status, write_csv
 from cyclemap.sweeps.run_sweep import own_executor
 
@@ -85,8 +86,7 @@ def test_a_complete_sweep_is_not_run_again(tmp_path) -> None:
 def test_a_bug_at_a_point_ends_the_sweep_by_name_and_keeps_the_others(tmp_path) -> None:
     path, log = tmp_path / "sweep.sqlite", tmp_path / "log"
     told = r"point 7 \(mu_a=0.225, hitch_x_mm=0\) failed, .* ZeroDivisionError: a bug"
-    with pytest.raises(CycleMapError, match=told):
-        run_sweep(fake_plan(fails_at=7), path, workers=1)
+    refused(run_sweep, fake_plan(fails_at=7), path, workers=1, told=told, kind=CycleMapError)
     assert 0 < sweep_status(path).stored <= 7
     assert run_sweep(fake_plan(log=str(log)), path, workers=1).complete
     assert 7 in logged(log) and 0 not in logged(log)
@@ -95,8 +95,14 @@ def test_a_bug_at_a_point_ends_the_sweep_by_name_and_keeps_the_others(tmp_path) 
 @pytest.mark.slow
 def test_a_worker_that_dies_ends_the_sweep_with_advice(tmp_path) -> None:
     path = tmp_path / "sweep.sqlite"
-    with pytest.raises(CycleMapError, match=r"a worker ended abruptly .* run the same sweep again"):
-        run_sweep(fake_plan(dies_at=13), path, workers=2)
+    refused(
+        run_sweep,
+        fake_plan(dies_at=13),
+        path,
+        workers=2,
+        told=r"a worker ended abruptly .* run the same sweep again",
+        kind=CycleMapError,
+    )
     stored = sweep_status(path).stored
     assert stored < 20
     assert run_sweep(fake_plan(), path, workers=1).complete
@@ -170,8 +176,7 @@ def test_memory_is_flat_over_a_sweep_of_any_length(tmp_path) -> None:
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5])
 def test_bad_workers_are_refused(tmp_path, workers) -> None:
-    with pytest.raises(InvalidInput, match="workers"):
-        run_sweep(fake_plan(), tmp_path / "sweep.sqlite", workers=workers)
+    refused(run_sweep, fake_plan(), tmp_path / "sweep.sqlite", workers=workers, told="workers")
     assert not (tmp_path / "sweep.sqlite").exists()
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from fake_numbers import FakeNumbers, fake_plan, fake_values
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.sweeps import SweepPlan, SweptLines, SweptPlane, SweptScatter, load_sweep, run_sweep, sweep_curves
 
 
@@ -67,11 +67,7 @@ def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(swept, tmp_p
 def test_what_cannot_be_drawn_is_refused(swept) -> None:
     over = {"mu_a": (0.2, 0.3), "mu_b": (0.2, 0.3), "hitch_x_mm": (-8.0, 0.0)}
     sweep = swept(SweepPlan.grid("plywood", over, numbers=FakeNumbers()))
-    with pytest.raises(InvalidInput, match="3 keys are swept"):
-        sweep_curves(sweep)
-    with pytest.raises(InvalidInput, match="fixed_point_theta is a list"):
-        sweep_curves(sweep.select(mu_b=0.2), ("fixed_point_theta",))
-    with pytest.raises(InvalidInput, match="unknown quantity of this sweep 'tv'"):
-        sweep_curves(sweep.select(mu_b=0.2), ("tv",))
-    with pytest.raises(InvalidInput, match="nothing to draw"):
-        sweep_curves(sweep.where(np.zeros(8, dtype=bool)))
+    refused(sweep_curves, sweep, told="3 keys are swept")
+    refused(sweep_curves, sweep.select(mu_b=0.2), ("fixed_point_theta",), told="fixed_point_theta is a list")
+    refused(sweep_curves, sweep.select(mu_b=0.2), ("tv",), told="unknown quantity of this sweep 'tv'")
+    refused(sweep_curves, sweep.where(np.zeros(8, dtype=bool)), told="nothing to draw")

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fake_numbers import FakeNumbers, fake_plan
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.sweeps import PointOutcome, StoreWriteError, SweepStore, load_sweep, run_sweep, sweep_status
 
 
@@ -72,10 +73,8 @@ def test_anyone_can_ask_it_in_sql(path) -> None:
 def test_the_store_of_another_plan_is_refused_and_left_alone(path, options, differs) -> None:
     full_store(path)
     before = load_sweep(path).number.tolist()
-    with pytest.raises(InvalidInput, match=differs):
-        run_sweep(fake_plan(**options), path, workers=1)
-    with pytest.raises(InvalidInput, match=differs):
-        sweep_status(path, fake_plan(**options))
+    refused(run_sweep, fake_plan(**options), path, workers=1, told=differs)
+    refused(sweep_status, path, fake_plan(**options), told=differs)
     assert load_sweep(path, fake_plan()).number.tolist() == before
 
 
@@ -119,8 +118,7 @@ def test_an_absent_store_is_at_the_beginning_of_a_plan_and_no_results(path) -> N
     assert (status.points, status.stored, status.complete) == (20, 0, False)
     assert not path.exists()
     for ask in (sweep_status, load_sweep):
-        with pytest.raises(DataFileError, match="no such store"):
-            ask(path)
+        refused(ask, path, told="no such store", kind=DataFileError)
 
 
 def test_a_store_begun_and_killed_before_its_first_table_is_begun_again(path) -> None:
@@ -132,14 +130,19 @@ def test_a_store_begun_and_killed_before_its_first_table_is_begun_again(path) ->
 
 def test_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(StoreWriteError, match="cannot be written"):
-        run_sweep(fake_plan(), tmp_path / "file" / "sweep.sqlite", workers=1)
+    refused(
+        run_sweep,
+        fake_plan(),
+        tmp_path / "file" / "sweep.sqlite",
+        workers=1,
+        told="cannot be written",
+        kind=StoreWriteError,
+    )
 
 
 def test_a_folder_is_no_store(tmp_path) -> None:
     for open_it in (lambda: SweepStore(tmp_path), lambda: SweepStore(tmp_path, fake_plan())):
-        with pytest.raises(DataFileError, match="is a folder"):
-            open_it()
+        refused(open_it, told="is a folder", kind=DataFileError)
 
 
 def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
@@ -191,8 +194,7 @@ def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path
 def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path, cut) -> None:
     full_store(path)
     path.write_bytes(path.read_bytes()[:-cut])
-    with pytest.raises(DataFileError, match="damaged"):
-        sweep_status(path)
+    refused(sweep_status, path, told="damaged", kind=DataFileError)
 
 
 @pytest.mark.slow
