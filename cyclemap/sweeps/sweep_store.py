@@ -246,7 +246,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             raise StoreWriteError(f"{self.path} cannot be written ({error.strerror}): choose another folder") from error
 
     def _damaged(self, fault: str) -> DataFileError:
-        return DataFileError(f"{self.path}: damaged, or no store of a sweep ({fault}); remove it and sweep again")
+        told = " ".join(fault.split())
+        return DataFileError(f"{self.path}: damaged, or no store of a sweep ({told}); remove it and sweep again")
 
 
 def _description(plan: SweepPlan) -> dict[str, object]:

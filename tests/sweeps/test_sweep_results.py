@@ -5,15 +5,10 @@ import csv
 import numpy as np
 import pytest
 import xarray
-from fake_numbers import FakeNumbers, fake_plan, fake_values
+from fake_numbers import FakeNumbers, fake_plan, fake_values, swept
 from refusals import refused
 
-from cyclemap.sweeps import SweepPlan, load_sweep, run_sweep, to_dataset, write_csv, write_netcdf
-
-
-def swept(folder, plan):
-    run_sweep(plan, folder / "sweep.sqlite", workers=1)
-    return load_sweep(folder / "sweep.sqlite")
+from cyclemap.sweeps import SweepPlan, to_dataset, write_csv, write_netcdf
 
 
 @pytest.fixture(scope="module")
@@ -22,19 +17,19 @@ def sweep(tmp_path_factory):
     grid = fake_plan().points.axes
     over = {"material": ("abs", "pu", "delrin"), **{axis.key: axis.values for axis in grid}}
     numbers = FakeNumbers(refused_above=0.28)
-    return swept(tmp_path_factory.mktemp("sweep"), SweepPlan.grid(None, over, numbers=numbers))
+    return swept(tmp_path_factory.mktemp("sweep") / "sweep.sqlite", SweepPlan.grid(None, over, numbers=numbers))
 
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
-    return swept(tmp_path_factory.mktemp("small"), fake_plan(refused_above=0.28))
+    return swept(tmp_path_factory.mktemp("small") / "sweep.sqlite", fake_plan(refused_above=0.28))
 
 
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
     ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
     plan = SweepPlan.sample("plywood", ranges, 64, numbers=FakeNumbers())
-    return swept(tmp_path_factory.mktemp("sample"), plan)
+    return swept(tmp_path_factory.mktemp("sample") / "sweep.sqlite", plan)
 
 
 def test_the_grid_has_each_number_at_its_place(sweep) -> None:
@@ -70,29 +65,23 @@ def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
     assert np.isnan(found.on_grid("rotation")).sum() == 60 - 36
 
 
-def test_a_sample_is_selected_by_ranges_and_has_no_grid(sample) -> None:
+def test_a_sample_is_selected_by_ranges(sample) -> None:
     found = sample.select(mu_a=(0.2, 0.25))
     assert len(found) == 32
     assert found.values("mu_a").max() <= 0.25
     assert sample.values("rotation").shape == (64,)
+
+
+def test_a_bad_question_is_refused_by_name(sweep, sample) -> None:
+    refused(sweep.select, mu_b=1.0, told="unknown swept key 'mu_b'")
+    refused(sweep.select, mu_a=0.21, told="mu_a does not take 0.21; its values are 0.2, 0.225")
+    refused(sweep.select, material=(1.0, 2.0), told="material is no number")
+    refused(sweep.values, "tv_from_uniform", told="unknown column 'tv_from_uniform'")
+    refused(sweep.on_grid, "rotations", told="unknown quantity of this sweep 'rotations': did you mean 'rotation'")
+    refused(sweep.where, [True], told="where needs 60 true or false")
+    refused(sweep.where, np.ones(60), told="not float64")
     refused(sample.on_grid, "rotation", told="a sample has no grid")
     refused(sample.select, mu_a=0.9, told=r"no point has mu_a=0\.9")
-
-
-@pytest.mark.parametrize(
-    ("ask", "message"),
-    [
-        (lambda one: one.select(mu_b=1.0), "unknown swept key 'mu_b'"),
-        (lambda one: one.select(mu_a=0.21), "mu_a does not take 0.21; its values are 0.2, 0.225"),
-        (lambda one: one.select(material=(1.0, 2.0)), "material is no number"),
-        (lambda one: one.values("tv_from_uniform"), "unknown column 'tv_from_uniform'"),
-        (lambda one: one.on_grid("rotations"), "unknown quantity of this sweep 'rotations': did you mean 'rotation'"),
-        (lambda one: one.where([True]), "where needs 60 true or false"),
-        (lambda one: one.where(np.ones(60)), "not float64"),
-    ],
-)
-def test_a_bad_question_is_refused_by_name(sweep, ask, message) -> None:
-    refused(ask, sweep, told=message)
 
 
 def read(path):
@@ -117,7 +106,7 @@ def test_csv_reads_back_every_number_exactly(tmp_path, small) -> None:
 
 def test_words_and_points_are_written_as_such(tmp_path) -> None:
     over = {"material": ("abs", "pu"), "way_points_mm": (((0.0, 50.0),), ((0.0, 60.0), (10.0, 60.0)))}
-    found = swept(tmp_path, SweepPlan.grid(None, over, numbers=FakeNumbers()))
+    found = swept(tmp_path / "sweep.sqlite", SweepPlan.grid(None, over, numbers=FakeNumbers()))
     write_csv(found, tmp_path / "sweep.csv")
     rows = read(tmp_path / "sweep.csv")
     assert [row["material"] for row in rows] == ["abs", "abs", "pu", "pu"]

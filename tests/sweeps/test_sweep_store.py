@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_numbers import FakeNumbers, fake_plan
+from fake_numbers import FakeNumbers, fake_plan, swept
 from refusals import refused
 
 from cyclemap.errors import DataFileError
@@ -21,7 +21,7 @@ def path(tmp_path) -> Path:
 
 
 def full_store(path, **options) -> None:
-    run_sweep(fake_plan(**options), path, workers=1)
+    swept(path, fake_plan(**options))
 
 
 def test_every_float_comes_back_as_it_went(path) -> None:
@@ -43,10 +43,9 @@ def test_every_float_comes_back_as_it_went(path) -> None:
 
 def test_a_point_is_kept_once(path) -> None:
     plan = fake_plan()
-    point = plan.point(0)
     with SweepStore(path, plan) as store:
-        store.add([(point, PointOutcome({"rotation": 1.0}))])
-        store.add([(point, PointOutcome({"rotation": 2.0}))])
+        for rotation in (1.0, 2.0):
+            store.add([(plan.point(0), PointOutcome({"rotation": rotation}))])
         assert store.status().stored == 1
     assert load_sweep(path).columns["rotation"].tolist() == [1.0]
 
@@ -78,19 +77,21 @@ def test_the_store_of_another_plan_is_refused_and_left_alone(path, options, diff
     assert load_sweep(path, fake_plan()).number.tolist() == before
 
 
-def other_database(path) -> None:
+def written_to(path, statement) -> None:
     connection = sqlite3.connect(path)
-    connection.execute("CREATE TABLE mine (x)")
+    connection.execute(statement)
     connection.commit()
     connection.close()
+
+
+def other_database(path) -> None:
+    path.unlink()
+    written_to(path, "CREATE TABLE mine (x)")
 
 
 def tampered(path) -> None:
     """One number changed, in a file that is otherwise sound."""
-    connection = sqlite3.connect(path)
-    connection.execute("UPDATE points SET rotation = 0.5 WHERE number = 7")
-    connection.commit()
-    connection.close()
+    written_to(path, "UPDATE points SET rotation = 0.5 WHERE number = 7")
 
 
 @pytest.mark.parametrize(
@@ -103,8 +104,6 @@ def tampered(path) -> None:
 )
 def test_a_damaged_or_foreign_file_is_refused_by_name(path, harm, message) -> None:
     full_store(path, rows=60)
-    if harm is other_database:
-        path.unlink()
     harm(path)
     before = path.read_bytes()
     with pytest.raises(DataFileError, match=message) as caught:
@@ -114,35 +113,22 @@ def test_a_damaged_or_foreign_file_is_refused_by_name(path, harm, message) -> No
 
 
 def test_an_absent_store_is_at_the_beginning_of_a_plan_and_no_results(path) -> None:
+    """One begun and killed before its first table is begun again."""
     status = sweep_status(path, fake_plan())
     assert (status.points, status.stored, status.complete) == (20, 0, False)
     assert not path.exists()
     for ask in (sweep_status, load_sweep):
         refused(ask, path, told="no such store", kind=DataFileError)
-
-
-def test_a_store_begun_and_killed_before_its_first_table_is_begun_again(path) -> None:
     path.parent.mkdir()
     path.touch()
-    full_store(path)
-    assert len(load_sweep(path)) == 20
+    assert len(swept(path, fake_plan())) == 20
 
 
-def test_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
+def test_a_folder_is_no_store_and_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
+    for plan in (None, fake_plan()):
+        refused(SweepStore, tmp_path, plan, told="is a folder", kind=DataFileError)
     (tmp_path / "file").write_text("")
-    refused(
-        run_sweep,
-        fake_plan(),
-        tmp_path / "file" / "sweep.sqlite",
-        workers=1,
-        told="cannot be written",
-        kind=StoreWriteError,
-    )
-
-
-def test_a_folder_is_no_store(tmp_path) -> None:
-    for open_it in (lambda: SweepStore(tmp_path), lambda: SweepStore(tmp_path, fake_plan())):
-        refused(open_it, told="is a folder", kind=DataFileError)
+    refused(SweepStore, tmp_path / "file" / "a.sqlite", fake_plan(), told="cannot be written", kind=StoreWriteError)
 
 
 def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
