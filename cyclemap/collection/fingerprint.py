@@ -190,17 +190,15 @@ class Fingerprint:
         """The response of the whole cycle."""
         return self.push + self.drag
 
-    def amplitude(self, anisotropy: Anisotropy) -> float:
-        """Return offset·A₁ + ellipticity·A₂, rad: the most that a surface changes the turn to first order."""
-        response = self.cycle
-        return anisotropy.offset * response.offset_amplitude + anisotropy.ellipticity * response.ellipse_amplitude
-
     def margin(self, anisotropy: Anisotropy) -> float:
         """Return what the second order may leave of the turn on a surface, rad: twice the remainder, an estimate.
 
-        It grows with the square of the amplitude, and with the cube on surfaces that are more anisotropic than usual.
+        It grows with the square of the amplitude offset·A₁ + ellipticity·A₂, and with the cube on surfaces that are
+        more anisotropic than usual.
         """
-        size, usual = self.amplitude(anisotropy), self.amplitude(Anisotropy(_OFFSET, 0.0, _ELLIPTICITY, 0.0))
+        first, second = self.cycle.offset_amplitude, self.cycle.ellipse_amplitude
+        size = anisotropy.offset * first + anisotropy.ellipticity * second
+        usual = _OFFSET * first + _ELLIPTICITY * second
         return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
 
 

@@ -108,7 +108,10 @@ class Cycles:
         """
         import pandas
 
-        return pandas.DataFrame({name: values.ravel() for name, values in self._columns().items()})
+        columns = {one.name: getattr(self, one.name) for one in fields(self)}
+        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
+        columns |= {"push_dx": dx, "push_dy": dy}
+        return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     def to_dataset(self, *axes: str) -> xarray.Dataset:
         """Return the cycles as an xarray Dataset over the axes of theta, by the names given; variables as `to_frame`.
@@ -123,12 +126,8 @@ class Cycles:
 
         if len(axes) != self.theta.ndim:
             raise InvalidInput(f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one for each")
-        return xarray.Dataset({name: (axes, values) for name, values in self._columns().items()})
-
-    def _columns(self) -> dict[str, NDArray[Any]]:
-        columns = {one.name: getattr(self, one.name) for one in fields(self)}
-        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
-        return columns | {"push_dx": dx, "push_dy": dy}
+        columns = {name: column.to_numpy().reshape(self.theta.shape) for name, column in self.to_frame().items()}
+        return xarray.Dataset({name: (axes, values) for name, values in columns.items()})
 
     @classmethod
     def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:

@@ -18,7 +18,6 @@ from cyclemap.maps import (
     CircleMap,
     DriftingMap,
     Estimate,
-    JumpCrossing,
     LocalNoise,
     Orbit,
     RotationNumber,
@@ -77,7 +76,7 @@ class Portrait:
 
     loop : the loop. map : its cycle map, θ in rad. turns : statistics of the map's turn.
     fixed_points : the directions it maps to themselves. rotation : its rotation number.
-    jump_crossings : the jumps that carry the turn across zero; the attracting ones gather orbits too.
+    gathering_jumps : the jumps (rad) about which orbits gather from both sides, as about a stable point.
     noise, operator : the noise added to every cycle, and the transfer operator of map plus noise.
     staircase : one noisy run. prediction : what such a run looks like on average.
     drifting, worn : where the surface wears, its map over the cycles of the run, which then follows it, and what runs
@@ -90,7 +89,7 @@ class Portrait:
     map: CircleMap
     turns: TurnStatistics
     fixed_points: tuple[Orbit, ...]
-    jump_crossings: tuple[JumpCrossing, ...]
+    gathering_jumps: tuple[float, ...]
     rotation: RotationNumber
     noise: WrappedNormal
     operator: TransferOperator
@@ -138,11 +137,6 @@ class Portrait:
         near = [zone for zone in self.prediction.zones if abs(shorter_way(zone.centre - orbit.points[0])) < _SAME_PLACE]
         return float(near[0].residence_cycles) if near else None
 
-    @property
-    def gathering_jumps(self) -> tuple[float, ...]:
-        """The jumps (rad) about which orbits gather from both sides, as about a stable point."""
-        return tuple(jump.theta for jump in self.jump_crossings if jump.attracting)
-
 
 def portrait(
     loop: CollectionLoop,
@@ -179,7 +173,7 @@ def portrait(
         map=cycle_map,
         turns=turn_statistics(cycle_map),
         fixed_points=points,
-        jump_crossings=tuple(crossings_by_jump(cycle_map)),
+        gathering_jumps=tuple(jump.theta for jump in crossings_by_jump(cycle_map) if jump.attracting),
         rotation=rotation_number(cycle_map),
         noise=noise,
         operator=operator,

@@ -163,7 +163,7 @@ def design_reset(
             break
         # A closer look, on all materials.
         best = picks[0][1]
-        turns = _cycles(nominal, best, about.materials).refined(_REFINED)
+        turns = sample_turns(best.prepared(nominal), best.actions, about.materials, _SAMPLES).refined(_REFINED)
         laws = [orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns]
         if all(law.total_variation <= wanted.allow_tv and law.after <= wanted.allow_after for law in laws):
             break
@@ -216,7 +216,7 @@ def _assessed(
     cycles: dict[ResetStrategy, SampledTurns] = {}
     for strategy in roles:
         report(0.4 + 0.4 * len(cycles) / len(roles))
-        cycles[strategy] = _cycles(loop, strategy, about.materials)
+        cycles[strategy] = sample_turns(strategy.prepared(loop), strategy.actions, about.materials, _SAMPLES)
     rows: list[ResetRow] = []
     for strategy, told in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
@@ -229,7 +229,7 @@ def _assessed(
     stretched = [replace(about.nominal, friction=one) for one in bent]
     curves = []
     for one in compared:
-        turns = _cycles(loop, one, stretched).refined(_REFINED)
+        turns = sample_turns(one.prepared(loop), one.actions, stretched, _SAMPLES).refined(_REFINED)
         curves.append([orientation_law(turn, one, sigma, 1).total_variation for turn in turns])
     before, after = (
         _histograms(cycles[one].refined(_REFINED)[0], one, demands.pushes, sigma, seed) for one in (own, chosen)
@@ -282,10 +282,6 @@ def _row(
         tuple(roles), strategy, nominal, values[TV], values[AFTER], about.materials[worst], drag, time, room, contact,
         spread[0], spread[1], misses, lacking,
     )  # fmt: skip
-
-
-def _cycles(loop: CollectionLoop, strategy: ResetStrategy, materials: Sequence[Material]) -> SampledTurns:
-    return sample_turns(strategy.prepared(loop), strategy.actions, materials, _SAMPLES)
 
 
 def _histograms(turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int) -> Array:

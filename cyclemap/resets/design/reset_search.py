@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import combinations, product
@@ -16,7 +17,7 @@ from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import Material, Polygon
 from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
 from cyclemap.resets.design.material_range import MaterialRange
-from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, repeated, total_variation
+from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, total_variation
 from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy, gripper_turns, legs
 
 FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
@@ -45,7 +46,7 @@ class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
     family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the loop's. turns : on all
-    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M, 2M + 1).
+    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M + 1, 2M + 1).
     """
 
     family: str
@@ -75,11 +76,6 @@ class Candidates:
         actions = tuple(self.source.actions[number] for number in chosen.tolist())
         weights = self.shares[index][chosen] / self.shares[index][chosen].min()
         return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
-
-    def joined(self, others: Candidates) -> Candidates:
-        """Return these and others of the same set."""
-        stacked = (np.concatenate([getattr(self, n), getattr(others, n)]) for n in ("shares", "tv", "after"))
-        return Candidates(self.source, *stacked)
 
 
 def own_pushes(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> list[Candidates]:
@@ -121,7 +117,12 @@ def push_set(
     near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
     places = product(sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles)
     actions = [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
-    possible = [action for action in actions if _can_be(prepared, action)]
+    possible = []
+    for action in actions:
+        # The object may not allow it: in a concave corner, or running into two sides.
+        with suppress(CycleMapError):
+            action.on(prepared).cycle(0.0)
+            possible.append(action)
     held = contact_lengths(prepared, possible)
     kept = [action for action, contact in zip(possible, held, strict=True) if contact >= least_contact]
     if not kept:
@@ -152,20 +153,23 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
     while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
         apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
         chosen.append(int(np.argmax(apart)))
-    kept, count = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES)], len(source.actions)
-    rough = replace(source, kernels=source.kernels[np.ix_(chosen, range(count), kept, [*kept, 2 * _MODES])])
-    found = Candidates(source, np.empty((0, count)), np.empty(0), np.empty(0))
+    kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES), 2 * _MODES]
+    count = len(source.actions)
+    rough = replace(source, kernels=source.kernels[np.ix_(chosen, range(count), kept, kept)])
+    found = []
     for size in range(1, min(MOST_TOGETHER, count) + 1):
         subsets = np.array(list(combinations(range(count), size)))
         shares = np.zeros((len(subsets), count))
         np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
         order = np.argsort(scored(rough, shares).tv, kind="stable")
-        found = found.joined(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
+        found.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    sizes = (found.shares > 0.0).sum(axis=1)
-    few = np.flatnonzero((sizes > 1) & (sizes < MOST_TOGETHER))
-    best = few[np.argsort(found.after[few], kind="stable")[:_WEIGHED]]
-    return found.joined(scored(source, _weighed(found.shares[best]), within))
+    few = [one for size, one in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
+    if few:
+        shares, after = (np.concatenate([getattr(one, name) for one in few]) for name in ("shares", "after"))
+        found.append(scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within))
+    stacked = (np.concatenate([getattr(one, name) for one in found]) for name in ("shares", "tv", "after"))
+    return Candidates(source, *stacked)
 
 
 def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candidates:
@@ -179,7 +183,7 @@ def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candi
             mixed = np.tensordot(shares[rows], kernels, axes=1)
             tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
             if within is not None:
-                after[rows] = np.maximum(after[rows], farthest(repeated(mixed, within), _STARTS, _PLACES))
+                after[rows] = np.maximum(after[rows], farthest(np.linalg.matrix_power(mixed, within), _STARTS, _PLACES))
     return Candidates(source, shares, tv, after)
 
 
@@ -194,15 +198,6 @@ def _action_set(
     turns = sample_turns(loop, actions, materials, SAMPLES)
     kernels = affine_kernels(turns.refined(_REFINED), _MODES, sigma)
     return ActionSet(family, actions, hitch, turns, contact_lengths(loop, actions), kernels)
-
-
-def _can_be(loop: CollectionLoop, action: CycleAction) -> bool:
-    """Whether the object allows the push: not in a concave corner, nor one that runs into two sides."""
-    try:
-        action.on(loop).cycle(0.0)
-    except CycleMapError:
-        return False
-    return True
 
 
 def _weighed(shares: Array) -> Array:

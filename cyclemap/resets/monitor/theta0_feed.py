@@ -223,7 +223,9 @@ class PushFolderFeed:
                 raise DataFileError(
                     f"{nowhere}: a link to a file that is not there; restore the file or remove the link"
                 )
-            fresh = sorted((file for file in found if file.is_file()), key=_place_in_series)
+            facts = [(file, push_facts(file) or PushFacts()) for file in found if file.is_file()]
+            numbered = [(math.inf if math.isnan(one.repetition) else one.repetition, file.name) for file, one in facts]
+            fresh = [self.path / name for _, name in sorted(numbered)]
         except FileNotFoundError as error:
             if finished:
                 raise DataFileError(f"{self.path}: there is no such folder; check the path") from error
@@ -270,11 +272,6 @@ class PushFolderFeed:
         now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
         self._doubtful = now
         return now == before
-
-
-def _place_in_series(file: Path) -> tuple[float, str]:
-    repetition = (push_facts(file) or PushFacts()).repetition
-    return (math.inf if math.isnan(repetition) else repetition, file.name)
 
 
 Theta0Feed = Theta0CsvFeed | OwnTableFeed | PushFolderFeed
