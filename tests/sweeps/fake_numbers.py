@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.errors import UnsupportedContact
-from cyclemap.sweeps import PointOutcome, SweepPlan, load_sweep, run_sweep
+from cyclemap.sweeps import PointOutcome, SweepPlan, SweepStore, load_sweep, run_sweep
 from cyclemap.sweeps.portrait_numbers import GROUPS
 
 
@@ -80,6 +80,12 @@ def swept(path, plan):
     """What a sweep of the plan in this process found, stored at `path`."""
     run_sweep(plan, path, workers=1)
     return load_sweep(path)
+
+
+def opened(path):
+    """How many points the plan of a store has, as told by the store, which is made where there is none."""
+    with SweepStore(path, fake_plan()) as store:
+        return store.status().points
 
 
 def logged(path):
