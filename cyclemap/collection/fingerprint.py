@@ -126,7 +126,7 @@ class TurnResponse:
     orientation, seen from the offset, at which the offset turns it most. ellipse_phase (δ₂) : twice such an
     orientation, seen from the axis of greater friction.
 
-    Responses of one loop add: push plus drag is the cycle. Raises InvalidInput for wrong shapes.
+    Raises InvalidInput for wrong shapes.
 
     >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
     >>> both.offset_amplitude, both.offset_phase, both.ellipse_amplitude, round(both.ellipse_phase, 6)
@@ -161,10 +161,6 @@ class TurnResponse:
         z = finite_array("seen", seen, last=4)
         return np.asarray(0.5 * np.sum((z @ self.hessian) * z, axis=-1))
 
-    def __add__(self, other: "TurnResponse") -> "TurnResponse":
-        """Return the response of both turns together."""
-        return TurnResponse(self.turn + other.turn, self.gradient + other.gradient, self.hessian + other.hessian)
-
 
 @dataclass(frozen=True, eq=False)
 class Fingerprint:
@@ -187,8 +183,9 @@ class Fingerprint:
 
     @cached_property
     def cycle(self) -> TurnResponse:
-        """The response of the whole cycle."""
-        return self.push + self.drag
+        """The response of the whole cycle: push plus drag."""
+        push, drag = self.push, self.drag
+        return TurnResponse(push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian)
 
     def margin(self, anisotropy: Anisotropy) -> float:
         """Return what the second order may leave of the turn on a surface, rad: twice the remainder, an estimate.
@@ -232,7 +229,8 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     whole = differences.sum(axis=0)
     turns = isotropic.push_turn, isotropic.drag_turn
     push, drag = (TurnResponse(*parts) for parts in zip(turns, gradients, hessians, strict=True))
-    return Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), _remainder(loop, push + drag))
+    found = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
+    return replace(found, remainder=_remainder(loop, found.cycle))
 
 
 def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:

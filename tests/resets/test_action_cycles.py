@@ -7,7 +7,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.resets import CycleAction, ResetStrategy, legs, map_turns, sample_turns, strategy_maps
-from cyclemap.resets.design.action_cycles import contact_lengths, room_needed
+from cyclemap.resets.design.action_cycles import contact_lengths, room_needed, seconds
 
 LOOP = cm.CollectionLoop.mit()
 ACTIONS = (CycleAction(push=cm.SidePush(2, 0.85)), *legs(0.1, 3)[1:2], CycleAction(turn=0.7))
@@ -48,6 +48,8 @@ def test_contact_is_as_long_as_the_rod_pushes() -> None:
     travels = [LOOP.cycle(theta).push.travel for theta in 2.0 * math.pi * np.arange(12) / 12]
     assert own == pytest.approx(min(travels), abs=1e-5)
     assert slanted < 0.08 < 0.12 < own < 0.15
+    # 20 mm/s in contact, 10 s for all else, 10 s more for a gripper.
+    assert seconds(np.array([0.2, 0.3, 0.2]), np.array([0.0, 0.0, 0.5])).tolist() == [20.0, 25.0, 25.0]
 
 
 def test_the_room_holds_rod_and_object_all_along() -> None:
