@@ -241,15 +241,11 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
 
 @dataclass(frozen=True, eq=False)
 class StaircaseForecast:
-    """A predicted staircase.
+    """A predicted staircase; loop, map, noise, prediction, drifting, worn and uncertainty as of a `Portrait`.
 
-    map : the cycle map, θ in rad. noise : white, added to every cycle. prediction : what runs are like on average.
     log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
     too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
-    comparison : these steps beside the prediction. drifting, worn : where the surface wears, its map over the cycles of
-    the run, which then follows it, and what runs on the surface of the last cycle are like; `map`, `prediction` and
-    `comparison` are of the fresh surface. uncertainty : how well its stable directions are known, None where the
-    mechanics is not.
+    comparison : these steps beside the prediction, of the fresh surface.
     """
 
     loop: CollectionLoop
@@ -278,11 +274,8 @@ def staircase_forecast(
     """Predict the staircase of `loop`.
 
     sigma : standard deviation (rad) of the noise of one cycle; None: the run takes the material's own, where it has
-    one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees.
-    cycles, start (rad), seed : of the run.
-    tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
-
-    Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
+    one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees. All else, and
+    what is raised, as of `portrait`.
     """
     report = progress or (lambda fraction: None)
     cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)

@@ -18,7 +18,7 @@ class SweptPlane:
     """A grid over two keys.
 
     first, second : the axes of rows and columns. planes : quantities with their values (m, n), angles in degrees, nan
-    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m, n), a refusal.
+    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m, n).
     """
 
     first: SweepAxis

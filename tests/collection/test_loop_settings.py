@@ -37,18 +37,14 @@ PLACES = {
 }
 
 
-@pytest.mark.parametrize("key", PLACES)
-def test_every_setting_reaches_its_place_in_si_units_and_no_other(key):
-    value, read, wanted = PLACES[key]
-    loop = CollectionLoop.from_settings({key: value})
-    assert read(loop) == pytest.approx(wanted, rel=1e-15)
-    for other, (_, read_other, _) in PLACES.items():
-        assert other == key or read_other(loop) == read_other(MIT)
-
-
-def test_no_setting_is_left_untested():
+def test_every_setting_reaches_its_place_in_si_units_and_no_other():
     others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint"}
     assert set(PLACES) | others | {NOISE_KEY} == set(SETTINGS)
+    for key, (value, read, wanted) in PLACES.items():
+        loop = CollectionLoop.from_settings({key: value})
+        assert read(loop) == pytest.approx(wanted, rel=1e-15)
+        for other, (_, read_other, _) in PLACES.items():
+            assert other == key or read_other(loop) == read_other(MIT)
 
 
 def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():
@@ -74,14 +70,9 @@ def test_footprints_are_those_of_the_outline_that_is_set():
     assert CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 40}, square).footprint is None
 
 
-def test_the_exact_footprint_leans_as_the_centre_of_mass_asks():
+def test_the_exact_footprint_leans_as_the_centre_of_mass_asks_and_keeps_its_rim_share_until_it_is_set_anew():
     even = CollectionLoop.from_settings({"footprint": "exact"}, CollectionLoop.from_settings({"footprint": "grid:8"}))
     assert even.model.pressure == PatchFootprint(Slider.mit("rect1").outline)
-    leaning = CollectionLoop.from_settings({"footprint": "exact", "centre_x_mm": 4})
-    assert leaning.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
-
-
-def test_a_rim_share_keeps_the_lean_and_is_kept_until_the_footprint_is_set_anew():
     both = CollectionLoop.from_settings({"rim_share": 0.3, "centre_x_mm": 4})
     assert both.model.pressure.rim_share == 0.3
     assert both.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)

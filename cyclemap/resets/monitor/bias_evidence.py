@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.polynomial.polynomial import polyval
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 
@@ -201,7 +201,8 @@ class VisitLaw:
 
     def ratio(self, theta: Any) -> Array:
         """The density at ``theta`` (rad, any shape) over that of the uniform law; at least about 0.1."""
-        series = _fourier_sum(self._weights * self._moments, theta)
+        point = np.exp(1j * np.asarray(theta, dtype=np.float64))
+        series = polyval(point, np.append(0.0, self._weights * self._moments)).real
         learned = (_PRIOR + self.visits + 2.0 * series) / (_PRIOR + self.visits)
         return np.asarray(_FLOOR + (1.0 - _FLOOR) * np.maximum(learned, 0.0), dtype=np.float64)
 
@@ -210,16 +211,7 @@ class VisitLaw:
         order = np.arange(1, self._moments.size + 1)
         grid = np.arange(720) * (math.pi / 360.0)
         smoothed = np.minimum(self._weights, np.exp(-0.5 * (_PEAK_KERNEL * order) ** 2)) * self._moments
-        return float(grid[int(np.argmax(_fourier_sum(smoothed, grid)))])
-
-
-def _fourier_sum(coefficients: NDArray[np.complex128], theta: Any) -> Array:
-    """The real part of Σ c_j exp(ijθ), j from 1, by Horner's rule."""
-    point = np.exp(1j * np.asarray(theta, dtype=np.float64))
-    series = np.zeros_like(point)
-    for coefficient in coefficients[::-1]:
-        series = (series + coefficient) * point
-    return np.asarray(series.real, dtype=np.float64)
+        return float(grid[int(np.argmax(polyval(np.exp(1j * grid), np.append(0.0, smoothed)).real))])
 
 
 class VisitEvidence:
