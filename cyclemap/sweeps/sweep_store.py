@@ -82,8 +82,6 @@ class SweepStore(AbstractContextManager["SweepStore"]):
     ) -> None:
         self.connection.close()
 
-    # -- what is stored ------------------------------------------------------------------------------------
-
     def status(self) -> SweepStatus:
         """How far the sweep is."""
         with self._faults_told():
@@ -111,8 +109,6 @@ class SweepStore(AbstractContextManager["SweepStore"]):
                 found.update({key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()})
                 yield found
 
-    # -- writing -------------------------------------------------------------------------------------------
-
     def add(self, found: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
         """Store outcomes, all or none of them; a point that is stored already stays as it is."""
         keys, scalars, lists = self._columns()
@@ -137,8 +133,6 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         quantities: list[dict[str, str]] = self.description["columns"]  # type: ignore[assignment]
         scalars = [one["name"] for one in quantities if not one["many"]]
         return list(self.description["keys"]), scalars, [one["name"] for one in quantities if one["many"]]  # type: ignore[call-overload]
-
-    # -- opening -------------------------------------------------------------------------------------------
 
     def _begun(self, plan: SweepPlan | None) -> dict[str, object]:
         """Check the file, or begin a new one; return its description."""
@@ -209,8 +203,6 @@ class SweepStore(AbstractContextManager["SweepStore"]):
                 f"{self.path} is the store of another sweep, which differs in {', '.join(other)}: choose another "
                 "folder or remove it"
             )
-
-    # -- faults --------------------------------------------------------------------------------------------
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:

@@ -79,26 +79,18 @@ def test_whole_turns_make_no_difference() -> None:
 
 
 def test_crowding_is_the_density_of_the_recorded_directions_over_its_mean() -> None:
-    """One direction: the wrapped Cauchy density of the reach, whose mean over the circle is one."""
-    crowding, theta = Crowding(), np.radians(np.arange(0.0, 360.0, 7.0))
+    """One direction: the wrapped Cauchy density of the reach, whose mean over the circle is one.
+
+    Collections side by side do not know of each other.
+    """
+    theta, starts = np.radians(np.arange(0.0, 360.0, 7.0)), np.array([1.0, 3.0, 5.0])
+    crowding = Crowding(3)
     assert np.all(crowding.at(theta[:, None]) == 0.0)
-    crowding.add(np.array([1.0]))
+    crowding.add(starts)
     decay = math.exp(-math.radians(5.0))
-    density = (1 - decay**2) / (1 + decay**2 - 2 * decay * np.cos(theta - 1.0))
-    assert crowding.at(theta[:, None])[:, 0] == pytest.approx(density, rel=0.15)
-    assert crowding.crowding.mean() == pytest.approx(1.0, rel=0.01)
-
-
-def test_collections_side_by_side_do_not_know_of_each_other() -> None:
-    paths = np.random.default_rng(4).uniform(0, 2 * np.pi, (3, 20))
-    together = Crowding(3)
-    for column in paths.T:
-        together.add(column)
-    for row, path in enumerate(paths):
-        alone = Crowding()
-        for angle in path:
-            alone.add(np.array([angle]))
-        assert together.crowding[row] == pytest.approx(alone.crowding[0])
+    density = (1 - decay**2) / (1 + decay**2 - 2 * decay * np.cos(theta[:, None] - starts))
+    assert crowding.at(theta[:, None]) == pytest.approx(density, rel=0.15)
+    assert crowding.crowding.mean(axis=1) == pytest.approx(1.0, rel=0.01)
 
 
 def test_the_next_action_is_the_one_that_lands_where_least_is_recorded() -> None:

@@ -14,6 +14,7 @@ PLYWOOD = cm.load_material("plywood")
 
 
 def test_corners_stretch_axes_against_each_other_and_scale_offsets() -> None:
+    """Materials inside lie between them and are the same each time."""
     about, law = material_range(PLYWOOD), PLYWOOD.friction
     assert len(about.searched) == 9 and len(about.materials) == 13 and about.nominal.friction == law
     found = set()
@@ -24,6 +25,10 @@ def test_corners_stretch_axes_against_each_other_and_scale_offsets() -> None:
         found.add((round(ratio, 9), round(friction.m0 / law.m0, 9), round(friction.n0 / law.n0, 9)))
         assert friction.phi == law.phi and material.wear is None
     assert found == {(r, m, n) for r in (1.1, round(1 / 1.1, 9)) for m in (0.5, 1.5) for n in (0.5, 1.5)}
+    assert about.tried == material_range(PLYWOOD).tried and len(about.tried) == 4
+    for friction in (material.friction for material in about.tried):
+        assert 1 / 1.1 <= friction.mu_a / friction.mu_b / (law.mu_a / law.mu_b) <= 1.1
+        assert 0.5 - 1e-9 <= friction.m0 / law.m0 <= 1.5 + 1e-9
 
 
 def test_a_surface_that_wears_is_in_its_range_fresh_and_worn() -> None:
@@ -77,15 +82,6 @@ def test_a_loop_on_another_material_is_what_that_material_makes_of_it() -> None:
     moved = on_material(own, SLATE.sample(69))
     assert (moved.pusher, moved.footprint) == (own.pusher, own.footprint)
     assert moved.reset != own.reset
-
-
-def test_materials_inside_lie_between_the_corners_and_are_the_same_each_time() -> None:
-    about = material_range(PLYWOOD)
-    assert about.tried == material_range(PLYWOOD).tried and len(about.tried) == 4
-    ratios = [one.friction.mu_a / one.friction.mu_b for one in about.searched]
-    for material in about.tried:
-        assert min(ratios) <= material.friction.mu_a / material.friction.mu_b <= max(ratios)
-        assert 0.5 - 1e-9 <= material.friction.m0 / PLYWOOD.friction.m0 <= 1.5 + 1e-9
 
 
 def test_what_is_no_range_is_refused() -> None:

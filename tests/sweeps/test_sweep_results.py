@@ -41,20 +41,17 @@ def test_the_grid_has_each_number_at_its_place(sweep) -> None:
             assert np.array_equal(plane[:, i, j], np.full(3, wanted), equal_nan=True)
 
 
-def test_one_value_takes_its_axis_away(sweep) -> None:
-    found = sweep.select(material="pu", mu_a=0.225)
-    assert [axis.key for axis in found.axes] == ["hitch_x_mm"] and len(found) == 4
-    assert found.on_grid("rotation").tolist() == sweep.on_grid("rotation")[1, 1].tolist()
-    assert set(found.swept["material"]) == {"pu"}
-
-
-def test_a_range_and_a_list_keep_their_axis(sweep) -> None:
+def test_one_value_takes_its_axis_away_a_range_and_a_list_keep_theirs(sweep) -> None:
     """Both ends belong to the range."""
-    values = sweep.axes[1].values
+    values, rotation = sweep.axes[1].values, sweep.on_grid("rotation")
+    one = sweep.select(material="pu", mu_a=0.225)
+    assert [axis.key for axis in one.axes] == ["hitch_x_mm"] and len(one) == 4
+    assert one.on_grid("rotation").tolist() == rotation[1, 1].tolist()
+    assert set(one.swept["material"]) == {"pu"}
     found = sweep.select(mu_a=values[1:3], material=["delrin", "abs"])
     assert found.shape == (2, 2, 4) and found.axes[0].values == ("abs", "delrin")
     assert found.axes[1].values == values[1:3]
-    assert np.array_equal(found.on_grid("rotation"), sweep.on_grid("rotation")[[0, 2], 1:3])
+    assert np.array_equal(found.on_grid("rotation"), rotation[[0, 2], 1:3])
 
 
 def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
@@ -63,13 +60,6 @@ def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
     assert max(found.swept["hitch_x_mm"]) < -5.0
     assert {values.size for values in found.lists["fixed_point_theta"]} == {2}
     assert np.isnan(found.on_grid("rotation")).sum() == 60 - 36
-
-
-def test_a_sample_is_selected_by_ranges(sample) -> None:
-    found = sample.select(mu_a=(0.2, 0.25))
-    assert len(found) == 32
-    assert found.values("mu_a").max() <= 0.25
-    assert sample.values("rotation").shape == (64,)
 
 
 def test_a_bad_question_is_refused_by_name(sweep, sample) -> None:
@@ -139,9 +129,11 @@ def test_netcdf_reads_back_the_same_dataset(tmp_path, request, which) -> None:
 
 
 def test_a_sample_becomes_a_dataset_over_its_points_and_words_are_coordinates(sample, sweep) -> None:
+    chosen = sample.select(mu_a=(0.2, 0.25))
+    assert len(chosen) == 32 and chosen.values("mu_a").max() <= 0.25
     found, words = to_dataset(sample), to_dataset(sweep)
     assert found["point"].values.tolist() == list(range(64))
     assert found["mu_a"].values.tolist() == list(sample.swept["mu_a"])
-    assert found["rotation"].values.tolist() == sample.columns["rotation"].tolist()
+    assert found["rotation"].values.tolist() == sample.values("rotation").tolist()
     place = {"material": "pu", "mu_a": 0.225, "hitch_x_mm": 0.0}
     assert words["rotation"].sel(place).item() == sweep.on_grid("rotation")[1, 1, 3]

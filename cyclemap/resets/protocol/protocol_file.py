@@ -100,9 +100,6 @@ def _check_prediction(table: object) -> None:
             raise InvalidInput(f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}")
 
 
-# -- the strategy -----------------------------------------------------------------------------------------------
-
-
 _PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
 ACTION_KEYS = ("weight", "side", *_PUSH_UNITS, "way_points_mm", "gripper_turn_deg")
 STRATEGY_KEYS = ("order", "block", "hitch_mm", "actions")
