@@ -135,8 +135,8 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
     rows: list[dict[str, Any]] = []
     for one in parts:
-        actions, used, sizes = one.source.actions, one.shares > 0.0, (one.shares > 0.0).sum(axis=1)
-        drag = one.shares @ one.source.turns.drag_length[0]
+        actions, used = one.source.actions, one.shares > 0.0
+        sizes, drag = used.sum(axis=1), one.shares @ one.source.turns.drag_length[0]
         turned = one.shares @ np.array([bool(action.turn) for action in actions], dtype=float)
         contact = np.where(used, one.source.contact, np.inf).min(axis=1)
         time = seconds(loop.push.distance + drag, turned)
