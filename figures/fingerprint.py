@@ -199,7 +199,7 @@ def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
 def caption(result: FingerprintAgainstFull) -> str:
     """Sentences that hold for this result."""
     found, (stable, *_) = (
-        result.prediction.fingerprint,
+        result.prediction.fingerprint.cycle,
         [checked for checked in result.checked.directions if checked.predicted.stable],
     )
     numbers = (found.turn, found.offset_amplitude, found.offset_phase, found.ellipse_amplitude, found.ellipse_phase)

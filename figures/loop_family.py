@@ -204,4 +204,4 @@ def _tangent(loop: CollectionLoop, theta: float) -> tuple[float, float, float]:
     found = loop.sensitivity(theta, ("theta", "hitch_x", "hitch_y"))
     x, y = loop.slider.hitch
     by_radius = (x * found.by("hitch_x") + y * found.by("hitch_y")) / ring_radius(loop)
-    return found.theta_next - found.theta, found.by_theta, by_radius
+    return found.theta_next - found.theta, found.by("theta"), by_radius

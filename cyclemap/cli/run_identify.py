@@ -12,7 +12,7 @@ from cyclemap.cli.options import LoopOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
-from cyclemap.collection.collection_file import collection_text, loop_tables
+from cyclemap.collection.collection_file import collection_tables, collection_text
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.setting_table import NOISE_KEY
 from cyclemap.collection.settings import with_material
@@ -96,7 +96,7 @@ def _conclude(
     told, answer = identify_report(material, data.notes, found, derived), headline(material.name, derived)
     # The material file names object, push and ring that it was found with where these are not MIT's own.
     loop = with_material(data.loop, material)
-    is_mit = loop_tables(loop) == loop_tables(CollectionLoop.mit(material))
+    is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
     page = identify_page(answer, found, identified_curves(found, data.scans, seed), page_sentences(found))
     toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"
     # All of the content is made before the first file is written.

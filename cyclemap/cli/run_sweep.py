@@ -40,7 +40,7 @@ def run_sweep(
     """
     exports, drawn = _words(export, _EXPORTS, "format to export"), _words(draw)
     plan = sweep_plan(options, **asked)
-    _words(draw, [one.name for one in plan.numbers.quantities if not one.listed], "quantity to draw")
+    _words(draw, [one.name for one in plan.numbers.quantities if not one.many], "quantity to draw")
     # The material, or the first few letters of those that are swept.
     name = "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
     stem = out / f"sweep_{file_stem(name)}"
@@ -125,10 +125,10 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     for place in range(len(sweep)):
         found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
         for one in sweep.quantities:
-            if one.listed:
-                found[one.written_name] = numbers(one.written(value) for value in sweep.lists[one.name][place].tolist())
+            if one.many:
+                found[one.written_name] = numbers(one.written(sweep.lists[one.name][place]).tolist())
             else:
-                found[one.written_name] = number(one.written(float(sweep.columns[one.name][place])))
+                found[one.written_name] = number(float(one.written(sweep.columns[one.name][place])))
         results.append({**found, "refusal": sweep.refusals[place] or None})
     return {
         **_status_report(status, store),

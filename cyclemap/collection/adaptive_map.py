@@ -46,10 +46,6 @@ class Node:
     value: float
     slope: float
 
-    def along_tangent(self, theta: float) -> float:
-        """Value of the tangent at another place."""
-        return self.value + self.slope * (theta - self.theta)
-
 
 @dataclass(frozen=True)
 class HermitePolynomial:
@@ -100,12 +96,6 @@ class HermitePolynomial:
             for theta in (low.theta + k * (width / count) for k in range(1, count)):
                 yield Node(theta, *self.at(theta))
         yield self.nodes[-1]
-
-
-def left_out_error(nodes: Sequence[Node], number: int) -> float:
-    """Return by how much the polynomial through all nodes but one misses the value of that one."""
-    left = nodes[number]
-    return abs(HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]]).at(left.theta)[0] - left.value)
 
 
 @dataclass(frozen=True)
@@ -213,7 +203,14 @@ def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
         for around, group in groupby(rest, key=lambda pair: pair[0].around):
             halves = list(group)
             if around is None or len(halves) == 1 or not _joined(sampler, halves):
-                waiting += [part for pair in halves for part in _halves(sampler, *pair)]
+                for interval, middle in halves:
+                    error = interval.error_at(middle, interval.polynomial)
+                    suspect = interval.width <= _SUSPECT and error > interval.error / _HALVING
+                    quintic = HermitePolynomial.through((interval.low, middle, interval.high))
+                    waiting += (_split_at_break(sampler, interval) if suspect else None) or (
+                        _Interval(interval.low, middle, error, around=quintic),
+                        _Interval(middle, interval.high, error, around=quintic),
+                    )
 
 
 def _finished(sampler: _Sampler, interval: _Interval, middle: Node) -> bool:
@@ -235,22 +232,16 @@ def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
     """Keep both halves of an interval together if the polynomial through their five nodes is good enough."""
     (first, before), (second, after) = halves
     nodes = (first.low, before, first.high, after, second.high)
-    beside = max(left_out_error(nodes, 1), left_out_error(nodes, 3))
-    error = max(_MIDDLE * left_out_error(nodes, 2), _BESIDE * beside) + _FILLED * sampler.tolerance
+    # By how much the polynomial through the four others misses each inner node.
+    missed = []
+    for number, left in list(enumerate(nodes))[1:-1]:
+        others = HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]])
+        missed.append(abs(others.at(left.theta)[0] - left.value))
+    error = max(_MIDDLE * missed[1], _BESIDE * max(missed[0], missed[2])) + _FILLED * sampler.tolerance
     if not error <= sampler.tolerance:
         return False
     sampler.finish(_Interval(first.low, second.high, error, nodes[1:-1]))
     return True
-
-
-def _halves(sampler: _Sampler, interval: _Interval, middle: Node) -> tuple[_Interval, ...]:
-    """Return the parts that are left to resolve of an interval that is not good enough."""
-    low, high = interval.low, interval.high
-    error = interval.error_at(middle, interval.polynomial)
-    suspect = interval.width <= _SUSPECT and error > interval.error / _HALVING
-    sides = _split_at_break(sampler, interval) if suspect else None
-    around = HermitePolynomial.through((low, middle, high))
-    return sides or (_Interval(low, middle, error, around=around), _Interval(middle, high, error, around=around))
 
 
 def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, ...] | None:
@@ -264,14 +255,15 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
         (middle,) = sampler.nodes([0.5 * (low.theta + high.theta)])
         # It belongs to a side by value where the sides are apart, by slope where they only meet at an angle.
         if is_jump:
-            off = [abs(middle.value - side.along_tangent(middle.theta)) for side in (low, high)]
+            tangents = (side.value + side.slope * (middle.theta - side.theta) for side in (low, high))
+            off = [abs(middle.value - value) for value in tangents]
         else:
             gap, off = abs(high.slope - low.slope), [abs(middle.slope - side.slope) for side in (low, high)]
         if min(off) > _SIDE_SHARE * gap:
             return None
         low, high = (middle, high) if off[0] < off[1] else (low, middle)
     place = 0.5 * (low.theta + high.theta)
-    left, right = low.along_tangent(place), high.along_tangent(place)
+    left, right = (side.value + side.slope * (place - side.theta) for side in (low, high))
     if abs(right - left) <= sampler.tolerance:
         left = right = 0.5 * (left + right)
     before, after = Node(place, left, low.slope), Node(place, right, high.slope)

@@ -127,16 +127,14 @@ def batch_experiment(
     A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a `CollectionLoop` the same with
     quasi-static cycles on its own footprint. `progress` is called with the fraction done.
     """
-    if not isinstance(loop, DynamicLoop):
-        require_loop(loop)
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
+    protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
+    even = isotropic_twin(protocol)
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
-    twin = replace(loop, loop=isotropic_twin(loop.loop)) if isinstance(loop, DynamicLoop) else isotropic_twin(loop)
+    twin = replace(loop, loop=even) if isinstance(loop, DynamicLoop) else even
     isotropic = run_batches(twin, starts, cycles, lambda done: report(0.5 + 0.5 * done))
-    if isinstance(loop, DynamicLoop):
-        return BatchExperiment(loop.loop, loop.speed, starts, anisotropic, isotropic)
-    return BatchExperiment(loop, None, starts, anisotropic, isotropic)
+    return BatchExperiment(protocol, speed, starts, anisotropic, isotropic)
 
 
 def run_batches(

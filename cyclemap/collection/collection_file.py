@@ -24,16 +24,15 @@ from cyclemap.collection.setting_table import (
     SETTINGS,
     SHARES,
     WORD,
-    Setting,
     Settings,
     setting_named,
     without_noise,
 )
-from cyclemap.collection.settings import OWN_OUTLINE, warn_of_defaults
+from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
 from cyclemap.maps import WrappedNormal
-from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, load_material, parse_footprint
+from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, parse_footprint
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import key_place, read_text, read_toml
@@ -51,8 +50,10 @@ _READ_OFF = [
 ]
 
 
-def loop_tables(loop: CollectionLoop) -> dict[str, Settings]:
+def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None = None) -> dict[str, Table]:
     """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by their part.
+
+    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad, told in a table of its own.
 
     Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction.
     What a material brings along is else told only where the loop has it otherwise, so that another material brings its
@@ -63,7 +64,8 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Settings]:
     shape = _shape(loop.slider)
     own = "shape" not in shape
     # An own object's ring is told in any case: MIT's would lie beside it.
-    ring = {key: _written(SETTINGS[key], loop) for key in ("hitch_x_mm", "hitch_y_mm")} if own else {}
+    hitch = zip(("hitch_x_mm", "hitch_y_mm"), loop.slider.hitch, strict=True)
+    ring = {key: _written(MILLIMETRES, value) for key, value in hitch} if own else {}
     start = CollectionLoop.from_settings(plain_numbers({**shape, **ring}), base)
     told = {**shape, **_footprint(loop, start)}
     for setting in _READ_OFF:
@@ -71,8 +73,8 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Settings]:
         # A coordinate says a place only beside the other.
         part = setting.place.removesuffix(".0").removesuffix(".1")
         if always or not _same(attrgetter(part)(loop), attrgetter(part)(start)):
-            told[setting.key] = _written(setting, loop)
-    tables = {
+            told[setting.key] = _written(setting.unit, setting.of(loop))
+    tables: dict[str, Table] = {
         name: {key: told[key] for key, setting in SETTINGS.items() if key in told and setting.group in groups}
         for name, groups in _TABLES.items()
     }
@@ -86,6 +88,9 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Settings]:
     lost += [] if _same_footprint(*pressures) else ["footprint"]
     if lost:
         raise InvalidInput(f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as it was")
+    if noise is not None:
+        sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
+        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
     return {name: table for name, table in tables.items() if table}
 
 
@@ -98,16 +103,11 @@ def plain_numbers(value: Any) -> Any:
     return float(value) if isinstance(value, Decimal) else value
 
 
-def _written(setting: Setting, loop: CollectionLoop) -> object:
-    """What a file says of a setting of the loop: the double that, read, comes nearest."""
-    value = setting.of(loop)
-    if isinstance(value, tuple):
-        return [[_decimal(setting.unit, part) for part in place] for place in value]
-    return value if setting.unit is NUMBER else _decimal(setting.unit, value)
-
-
-def _decimal(unit: Unit, value: float) -> Decimal:
-    return Decimal(repr(float(unit.written(value))))
+def _written(unit: Unit, value: Any) -> object:
+    """What a file says of a value, or of the values of a list, in SI units: the double that, read, comes nearest."""
+    if isinstance(value, (tuple, list)):
+        return [_written(unit, part) for part in value]
+    return value if unit is NUMBER else Decimal(repr(float(unit.written(value))))
 
 
 def _shape(slider: Slider) -> Settings:
@@ -116,11 +116,10 @@ def _shape(slider: Slider) -> Settings:
             return {"shape": shape}
     name: Settings = {} if slider.name == OWN_OUTLINE else {"object_name": slider.name}
     if isinstance(slider.outline, Ellipse):
-        semi_axes = {"semi_x_mm": slider.outline.semi_x, "semi_y_mm": slider.outline.semi_y}
-        return {key: _decimal(MILLIMETRES, value) for key, value in semi_axes.items()} | name
+        semi_x, semi_y = (_written(MILLIMETRES, value) for value in (slider.outline.semi_x, slider.outline.semi_y))
+        return {"semi_x_mm": semi_x, "semi_y_mm": semi_y, **name}
     assert isinstance(slider.outline, Polygon)
-    vertices = [[_decimal(MILLIMETRES, x) for x in vertex] for vertex in slider.outline.array.tolist()]
-    return {"vertices_mm": vertices} | name
+    return {"vertices_mm": _written(MILLIMETRES, slider.outline.array.tolist()), **name}
 
 
 def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
@@ -199,17 +198,6 @@ def names_surface(path: str | Path) -> bool:
     return any(_is_surface(*entry) for entry in read_toml(path).items())
 
 
-def read_collection(path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
-    """Return the loop of a file; `surface`: a material, or a material file, in place of the file's own.
-
-    What the file does not say is MIT's; where its object is not, a `DoubtfulInput` warning tells what that is.
-    """
-    settings, _ = without_noise(read_settings(path))
-    material = load_material(surface or (path if names_surface(path) else "isotropic"))
-    warn_of_defaults(settings)
-    return CollectionLoop.from_settings(settings, CollectionLoop.mit(material))
-
-
 def data_settings(data: str | Path) -> Settings:
     """Return what the folder of data, or one above it, says of object, push and reset; not the surface."""
     place = Path(data)
@@ -217,15 +205,6 @@ def data_settings(data: str | Path) -> Settings:
         if (folder / FILE_NAME).is_file():
             return without_noise(read_settings(folder / FILE_NAME))[0]
     return {}
-
-
-def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None = None) -> dict[str, Table]:
-    """Return the tables of a loop and of the noise of its cycles (rad); see `loop_tables`."""
-    tables: dict[str, Table] = dict(loop_tables(loop))
-    if noise is not None:
-        sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
-        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
-    return tables
 
 
 def collection_text(

@@ -22,10 +22,7 @@ QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")
 
 @dataclass(frozen=True, eq=False)
 class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
-    """One push and reset by the dynamic simulation, with the properties of a `Cycle`.
-
-    theta : orientation before, rad. push, drag : the results of both strokes.
-    """
+    """One push and reset by the dynamic simulation, told as a `Cycle`'s."""
 
     @property
     def trajectory(self) -> CycleTrajectory[DynamicTrajectory]:
@@ -85,7 +82,12 @@ class DynamicLoop:
     def cycles(self, theta: ArrayLike) -> Cycles:
         """Run one push and reset from each of many orientations (...), rad."""
         values = finite_array("theta", theta)
-        return Cycles.gathered(values, [self.cycle(each, samples=1) for each in values.ravel().tolist()])
+        runs, columns = [self.cycle(each, samples=1) for each in values.ravel().tolist()], {}
+        for name in (one.name for one in fields(Cycles)[1:-1]):
+            shape = (*values.shape, 2) if name == "push_displacement" else values.shape
+            columns[name] = np.array([getattr(run, name) for run in runs], dtype=float).reshape(shape)
+        left = np.array([run.ended == "left" for run in runs], dtype=bool).reshape(values.shape)
+        return Cycles(values, left=left, **columns)
 
 
 @dataclass(frozen=True, eq=False)

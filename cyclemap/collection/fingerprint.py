@@ -3,7 +3,8 @@
 import cmath
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,11 @@ class TurnResponse:
 
         u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase).
 
-    Responses of one loop add: push plus drag is the cycle. Raises InvalidInput for wrong shapes.
+    offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad in (-π, π], the object's
+    orientation, seen from the offset, at which the offset turns it most. ellipse_phase (δ₂) : twice such an
+    orientation, seen from the axis of greater friction.
+
+    Raises InvalidInput for wrong shapes.
 
     >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
     >>> both.offset_amplitude, both.offset_phase, both.ellipse_amplitude, round(both.ellipse_phase, 6)
@@ -131,6 +136,10 @@ class TurnResponse:
     turn: float
     gradient: Array
     hessian: Array
+    offset_amplitude: float = field(init=False)
+    offset_phase: float = field(init=False)
+    ellipse_amplitude: float = field(init=False)
+    ellipse_phase: float = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "turn", finite_number("turn", self.turn))
@@ -139,26 +148,9 @@ class TurnResponse:
             if array.shape != shape:
                 raise InvalidInput(f"{name} of a turn has shape {array.shape}: it must be {shape}")
             object.__setattr__(self, name, array)
-
-    @property
-    def offset_amplitude(self) -> float:
-        """A₁: rad of turn a unit of offset."""
-        return math.hypot(*self.gradient[:2])
-
-    @property
-    def offset_phase(self) -> float:
-        """δ₁, rad in (-π, π]: the object's orientation, seen from the offset, at which the offset turns it most."""
-        return -cmath.phase(complex(*self.gradient[:2])) + 0.0
-
-    @property
-    def ellipse_amplitude(self) -> float:
-        """A₂: rad of turn a unit of ellipticity."""
-        return math.hypot(*self.gradient[2:])
-
-    @property
-    def ellipse_phase(self) -> float:
-        """δ₂, rad in (-π, π]: twice such an orientation, seen from the axis of greater friction."""
-        return -cmath.phase(complex(*self.gradient[2:])) + 0.0
+        for name, (x, y) in (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:])):
+            object.__setattr__(self, f"{name}_amplitude", math.hypot(x, y))
+            object.__setattr__(self, f"{name}_phase", -math.atan2(y, x) + 0.0)
 
     def first_order(self, seen: ArrayLike) -> Array:
         """Return the first-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""
@@ -169,17 +161,14 @@ class TurnResponse:
         z = finite_array("seen", seen, last=4)
         return np.asarray(0.5 * np.sum((z @ self.hessian) * z, axis=-1))
 
-    def __add__(self, other: "TurnResponse") -> "TurnResponse":
-        """Return the response of both turns together."""
-        return TurnResponse(self.turn + other.turn, self.gradient + other.gradient, self.hessian + other.hessian)
-
 
 @dataclass(frozen=True, eq=False)
 class Fingerprint:
     """How the cycle of a protocol answers a surface that is nearly isotropic.
 
     f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂), with an error of second order, offset
-    along ψ, greater friction along φ (`Anisotropy`). Ω, A₁, δ₁, A₂, δ₂ belong to the protocol: object, rod, ring, push.
+    along ψ, greater friction along φ (`Anisotropy`). The protocol alone tells Ω, A₁, δ₁, A₂, δ₂:
+    `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`, `cycle.ellipse_amplitude`, `cycle.ellipse_phase`.
 
     push, drag : the two parts, both over the orientation before the push. hessian_error : largest asymmetry of the
     cycle's hessian as found, rad: what the differences that gave it are good for. remainder : 1/rad, what the second
@@ -192,48 +181,22 @@ class Fingerprint:
     hessian_error: float
     remainder: float
 
-    @property
+    @cached_property
     def cycle(self) -> TurnResponse:
-        """The response of the whole cycle."""
-        return self.push + self.drag
-
-    def amplitude(self, anisotropy: Anisotropy) -> float:
-        """Return offset·A₁ + ellipticity·A₂, rad: the most that a surface changes the turn to first order."""
-        response = self.cycle
-        return anisotropy.offset * response.offset_amplitude + anisotropy.ellipticity * response.ellipse_amplitude
+        """The response of the whole cycle: push plus drag."""
+        push, drag = self.push, self.drag
+        return TurnResponse(push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian)
 
     def margin(self, anisotropy: Anisotropy) -> float:
         """Return what the second order may leave of the turn on a surface, rad: twice the remainder, an estimate.
 
-        It grows with the square of the amplitude, and with the cube on surfaces that are more anisotropic than usual.
+        It grows with the square of the amplitude offset·A₁ + ellipticity·A₂, and with the cube on surfaces that are
+        more anisotropic than usual.
         """
-        size, usual = self.amplitude(anisotropy), self.amplitude(Anisotropy(_OFFSET, 0.0, _ELLIPTICITY, 0.0))
+        first, second = self.cycle.offset_amplitude, self.cycle.ellipse_amplitude
+        size = anisotropy.offset * first + anisotropy.ellipticity * second
+        usual = _OFFSET * first + _ELLIPTICITY * second
         return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
-
-    @property
-    def turn(self) -> float:
-        """Ω, rad: the turn of a cycle on an isotropic surface."""
-        return self.cycle.turn
-
-    @property
-    def offset_amplitude(self) -> float:
-        """A₁, rad a unit of offset."""
-        return self.cycle.offset_amplitude
-
-    @property
-    def offset_phase(self) -> float:
-        """δ₁, rad in (-π, π]."""
-        return self.cycle.offset_phase
-
-    @property
-    def ellipse_amplitude(self) -> float:
-        """A₂, rad a unit of ellipticity."""
-        return self.cycle.ellipse_amplitude
-
-    @property
-    def ellipse_phase(self) -> float:
-        """δ₂, rad in (-π, π]."""
-        return self.cycle.ellipse_phase
 
 
 def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Fingerprint:
@@ -243,7 +206,7 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     nearly isotropic ones, the remainder from sixteen cycles on usual surfaces. `progress` gets the fraction done.
     Raises InvalidInput where `loop` is no CollectionLoop, or the way back has way-points, fixed in the world.
 
-    >>> found = fingerprint(CollectionLoop.mit())
+    >>> found = fingerprint(CollectionLoop.mit()).cycle
     >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
     (8.002, 2.047, 1.769)
     """
@@ -266,7 +229,8 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     whole = differences.sum(axis=0)
     turns = isotropic.push_turn, isotropic.drag_turn
     push, drag = (TurnResponse(*parts) for parts in zip(turns, gradients, hessians, strict=True))
-    return Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), _remainder(loop, push + drag))
+    found = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
+    return replace(found, remainder=_remainder(loop, found.cycle))
 
 
 def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:

@@ -111,11 +111,6 @@ class PredictedDirection:
         return float(self.orbit.points[0])
 
     @property
-    def multiplier(self) -> float:
-        """Slope of the first-order map there."""
-        return self.orbit.multiplier
-
-    @property
     def stable(self) -> bool:
         """Whether the loop locks into it."""
         return self.orbit.stable
@@ -150,21 +145,12 @@ class Prediction:
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
-        turn, (p, q) = self.fingerprint.turn, harmonics(self.fingerprint.cycle, self.anisotropy)
-
-        def lift(theta: Array) -> Array:
-            z = np.exp(1j * theta)
-            return np.asarray(theta + turn + (z * (p + q * z)).real)
-
-        def derivative(theta: Array) -> Array:
-            z = np.exp(1j * theta)
-            return np.asarray(1.0 - (z * (p + 2.0 * q * z)).imag)
-
-        def one(theta: float) -> float:
-            z = cmath.exp(1j * theta)
-            return theta + turn + (z * (p + q * z)).real
-
-        return CircleMap.with_scalar(lift, derivative, one)
+        turn, (p, q) = self.fingerprint.cycle.turn, harmonics(self.fingerprint.cycle, self.anisotropy)
+        return CircleMap.with_scalar(
+            lambda theta: theta + turn + (p * np.exp(1j * theta) + q * np.exp(2j * theta)).real,
+            lambda theta: 1.0 - (p * np.exp(1j * theta) + 2.0 * q * np.exp(2j * theta)).imag,
+            lambda theta: theta + turn + (p * cmath.exp(1j * theta) + q * cmath.exp(2j * theta)).real,
+        )
 
     @cached_property
     def ratio(self) -> float:
@@ -256,8 +242,9 @@ class Prediction:
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
         part = float(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta)))
         side = -math.copysign(1.0, part)
-        ahead = (side * self.fingerprint.turn) % TWO_PI
-        turn = ahead + side * (scaled.turn(_ANGLES) - self.fingerprint.turn)
+        isotropic = self.fingerprint.cycle.turn
+        ahead = (side * isotropic) % TWO_PI
+        turn = ahead + side * (scaled.turn(_ANGLES) - isotropic)
         return float(np.min(turn + sign * scaled.turn_error(_ANGLES)))
 
     def _reach(self, theta: float, sense: float) -> float:

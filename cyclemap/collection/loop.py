@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.settings import apply_settings, with_material
+from cyclemap.collection.setting_table import without_noise
+from cyclemap.collection.settings import apply_settings, warn_of_defaults, with_material
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
@@ -57,41 +58,29 @@ class CycleTrajectory(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class StrokePair(Generic[P, D]):
-    """A push from orientation `theta` (rad) and the drag that followed it."""
+    """A push and the drag that followed it.
+
+    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
+    push, drag : the results of both strokes. push_turn, drag_turn : rad. push_displacement : of the object's origin in
+    its initial frame, (2,), m. drag_length : path of the ring, m. ended : why the push ended, `distance`, or `left`
+    where the rod lost the object.
+    """
 
     theta: float
     push: P
     drag: D
+    push_turn: float = field(init=False)
+    push_displacement: NDArray[np.float64] = field(init=False)
+    drag_turn: float = field(init=False)
+    drag_length: float = field(init=False)
+    theta_next: float = field(init=False)
+    ended: str = field(init=False)
 
-    @property
-    def push_turn(self) -> float:
-        """Turn during the push, rad."""
-        return self.push.turn
-
-    @property
-    def push_displacement(self) -> NDArray[np.float64]:
-        """Displacement of the object's origin during the push, in its initial frame, (2,), m."""
-        return self.push.displacement
-
-    @property
-    def drag_turn(self) -> float:
-        """Turn during the drag, rad."""
-        return self.drag.turn
-
-    @property
-    def drag_length(self) -> float:
-        """Path of the ring during the drag, m."""
-        return self.drag.length
-
-    @property
-    def theta_next(self) -> float:
-        """Orientation before the next push, rad, on the lift."""
-        return self.drag.end.theta
-
-    @property
-    def ended(self) -> str:
-        """Why the push ended: `distance`, or `left` where the rod lost the object."""
-        return self.push.ended
+    def __post_init__(self) -> None:
+        push, drag = self.push, self.drag
+        told = (push.turn, push.displacement, drag.turn, drag.length, drag.end.theta, push.ended)
+        for one, value in zip(fields(StrokePair)[3:], told, strict=True):
+            object.__setattr__(self, one.name, value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,14 +99,6 @@ class Cycles:
     theta_next: NDArray[np.float64]
     left: NDArray[np.bool_]
 
-    @classmethod
-    def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> Cycles:
-        """Return the runs from the orientations theta (...), in its order, as arrays."""
-        shapes = {field.name: theta.shape for field in fields(cls)[1:-1]} | {"push_displacement": (*theta.shape, 2)}
-        columns = {name: np.array([getattr(run, name) for run in runs], dtype=float) for name in shapes}
-        left = np.array([run.ended == "left" for run in runs]).reshape(theta.shape)
-        return cls(theta, left=left, **{name: columns[name].reshape(shape) for name, shape in shapes.items()})
-
     def to_frame(self) -> pandas.DataFrame:
         """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx, push_dy (rad, m).
 
@@ -127,7 +108,10 @@ class Cycles:
         """
         import pandas
 
-        return pandas.DataFrame({name: values.ravel() for name, values in self._columns().items()})
+        columns = {one.name: getattr(self, one.name) for one in fields(self)}
+        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
+        columns |= {"push_dx": dx, "push_dy": dy}
+        return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     def to_dataset(self, *axes: str) -> xarray.Dataset:
         """Return the cycles as an xarray Dataset over the axes of theta, by the names given; variables as `to_frame`.
@@ -142,17 +126,13 @@ class Cycles:
 
         if len(axes) != self.theta.ndim:
             raise InvalidInput(f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one for each")
-        return xarray.Dataset({name: (axes, values) for name, values in self._columns().items()})
-
-    def _columns(self) -> dict[str, NDArray[Any]]:
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
-        return columns | {"push_dx": dx, "push_dy": dy}
+        columns = {name: column.to_numpy().reshape(self.theta.shape) for name, column in self.to_frame().items()}
+        return xarray.Dataset({name: (axes, values) for name, values in columns.items()})
 
     @classmethod
     def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
-        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
+        columns = [getattr(batch, one.name) for one in fields(cls)[1:]]
         return cls(theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns))
 
 
@@ -164,13 +144,7 @@ _DRAWN = 60
 
 @dataclass(frozen=True, eq=False)
 class Cycle(StrokePair[PushResult, DragResult]):
-    """One push and reset.
-
-    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
-    push_turn, drag_turn : rad. push_displacement : of the object's origin in its initial frame, (2,), m.
-    drag_length : path of the ring, m. ended : why the push ended, `distance` or `left`.
-    push, drag : the results of both strokes. loop : what was run.
-    """
+    """One push and reset, a `StrokePair`. loop : what was run."""
 
     loop: CollectionLoop
 
@@ -199,7 +173,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
 class CycleSensitivity:
     """Derivatives of one cycle.
 
-    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, k), derivatives of
+    theta_next : rad. `by("theta")` is d theta_next / d theta, the multiplier. jacobian : (6, k), derivatives of
     `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next) by `parameters`, SI units and radians.
     """
 
@@ -208,11 +182,6 @@ class CycleSensitivity:
     jacobian: NDArray[np.float64]
     parameters: tuple[str, ...] = PARAMETERS
     outputs: tuple[str, ...] = CYCLE_OUTPUTS
-
-    @property
-    def by_theta(self) -> float:
-        """Derivative of theta_next by theta."""
-        return self.by("theta")
 
     def by(self, parameter: str, output: str = "theta_next") -> float:
         """Return the derivative of an output by a parameter, both by name."""
@@ -245,7 +214,7 @@ class CollectionLoop:
 
     def __getstate__(self) -> dict[str, object]:
         # What was computed from the fields stays behind.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:
@@ -260,10 +229,17 @@ class CollectionLoop:
 
     @classmethod
     def from_file(cls, path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
-        """Return the loop of a collection file, such as `cyclemap init` writes; see `read_collection`."""
-        from cyclemap.collection.collection_file import read_collection
+        """Return the loop of a collection file, such as `cyclemap init` writes.
 
-        return read_collection(path, surface)
+        surface : a material, or a material file, in place of the file's own. What the file does not say is MIT's; where
+        its object is not, a `DoubtfulInput` warning tells what that is. Raises DataFileError for a file that is none.
+        """
+        from cyclemap.collection.collection_file import names_surface, read_settings
+
+        settings, _ = without_noise(read_settings(path))
+        material = load_material(surface or (path if names_surface(path) else "isotropic"))
+        warn_of_defaults(settings)
+        return cls.from_settings(settings, cls.mit(material))
 
     @classmethod
     def from_settings(cls, settings: dict[str, object], base: CollectionLoop | None = None) -> CollectionLoop:

@@ -124,12 +124,11 @@ def _largest(path: Path, lines: Sequence[Array]) -> Array:
     """The closed line around the largest area."""
     if not lines:
         raise DataFileError(f"{path}: no closed line: close the path of the outline, or join its lines")
-
-    def area(line: Array) -> float:
+    areas = []
+    for line in lines:
         x, y = (line - line[0]).T
-        return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
-
-    return max(lines, key=area)
+        areas.append(abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))))
+    return lines[int(np.argmax(areas))]
 
 
 def _csv_vertices(path: Path) -> Array:

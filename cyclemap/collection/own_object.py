@@ -16,6 +16,7 @@ from cyclemap.collection.setting_table import SETTINGS, Settings, without_noise
 from cyclemap.collection.settings import inherited_defaults, layered
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.mechanics import Ellipse, Polygon, SidePush, Slider, load_material
+from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.mechanics.outline import Outline
 
 MM = 1000.0
@@ -93,11 +94,15 @@ def _longest_outer_side(outline: Polygon) -> int:
 def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
 
-    radius : of the rod, m. Raises InvalidInput for a side that is not there.
+    radius : of the rod, m. Raises InvalidInput for a side that is not there, and a place that the rod cannot touch.
+
+    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
+    >>> (1e3 * place).round(6).tolist(), (way + 0.0).tolist()
+    ([-18.0, 49.75], [0.0, -1.0])
     """
     outline = slider.outline
-    if push.side >= outline.sides:
-        raise InvalidInput(f"there is no side {push.side}: the object has sides 0 to {outline.sides - 1}")
+    # It refuses what cannot be touched.
+    side_coordinate(outline, contact_curve(outline, radius).pieces, push.side, push.fraction)
     if isinstance(outline, Ellipse):
         angle = 2.0 * math.pi * push.fraction
         place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])

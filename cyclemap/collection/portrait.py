@@ -11,14 +11,13 @@ from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.wearing_loop import drift_of
+from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, Stroke, inline_svg, map_strokes
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
     Estimate,
-    JumpCrossing,
     LocalNoise,
     Orbit,
     RotationNumber,
@@ -49,6 +48,8 @@ DEFAULT_SIGMA = float(np.deg2rad(1.1))
 FULL_TURN = 2 * np.pi
 
 DEFAULT_CYCLES = 2000
+# Maps that most drifts take.
+_USUAL_MAPS = 12
 # Radians: a zone's centre is the stable point itself.
 _SAME_PLACE = 1e-6
 
@@ -75,7 +76,7 @@ class Portrait:
 
     loop : the loop. map : its cycle map, θ in rad. turns : statistics of the map's turn.
     fixed_points : the directions it maps to themselves. rotation : its rotation number.
-    jump_crossings : the jumps that carry the turn across zero; the attracting ones gather orbits too.
+    gathering_jumps : the jumps (rad) about which orbits gather from both sides, as about a stable point.
     noise, operator : the noise added to every cycle, and the transfer operator of map plus noise.
     staircase : one noisy run. prediction : what such a run looks like on average.
     drifting, worn : where the surface wears, its map over the cycles of the run, which then follows it, and what runs
@@ -88,7 +89,7 @@ class Portrait:
     map: CircleMap
     turns: TurnStatistics
     fixed_points: tuple[Orbit, ...]
-    jump_crossings: tuple[JumpCrossing, ...]
+    gathering_jumps: tuple[float, ...]
     rotation: RotationNumber
     noise: WrappedNormal
     operator: TransferOperator
@@ -111,7 +112,7 @@ class Portrait:
     def stable_points(self) -> tuple[Orbit, ...]:
         """The stable fixed points, the most visited first."""
         stable = [orbit for orbit in self.fixed_points if orbit.stable]
-        return tuple(sorted(stable, key=lambda orbit: -_density_at(self.operator, orbit.points[0])))
+        return tuple(sorted(stable, key=lambda orbit: -float(self.operator.density(orbit.points[:1])[0])))
 
     @cached_property
     def highest_peaks(self) -> tuple[float, ...]:
@@ -135,11 +136,6 @@ class Portrait:
         """Mean cycles from a stable point until noise has carried θ0 off it; None where that is not known."""
         near = [zone for zone in self.prediction.zones if abs(shorter_way(zone.centre - orbit.points[0])) < _SAME_PLACE]
         return float(near[0].residence_cycles) if near else None
-
-    @property
-    def gathering_jumps(self) -> tuple[float, ...]:
-        """The jumps (rad) about which orbits gather from both sides, as about a stable point."""
-        return tuple(jump.theta for jump in self.jump_crossings if jump.attracting)
 
 
 def portrait(
@@ -165,28 +161,25 @@ def portrait(
     if cycles < 1:
         raise InvalidInput(f"cycles is {cycles}; a staircase needs at least one cycle")
     report = progress or (lambda fraction: None)
-    # The maps are nearly all of the work; what follows them takes a fixed, small part.
-    share = 0.6 if loop.material.wear is None else 0.2
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
-    drifting = drift_of(loop, cycles, lambda fraction: report(share + (0.6 - share) * fraction))
-    uncertainty = known_directions(loop, lambda fraction: report(0.6 + 0.2 * fraction))
+    cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
     points = tuple(fixed_points(cycle_map))
     noise, kicks = noises_of(loop, cycle_map, sigma)
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
-    stable = [float(orbit.points[0]) for orbit in points if orbit.stable]
+    stable = [orbit.points[:1] for orbit in points if orbit.stable]
+    visited = max(stable, key=lambda theta: float(operator.density(theta)[0]), default=np.zeros(1))
     result = Portrait(
         loop=loop,
         map=cycle_map,
         turns=turn_statistics(cycle_map),
         fixed_points=points,
-        jump_crossings=tuple(crossings_by_jump(cycle_map)),
+        gathering_jumps=tuple(jump.theta for jump in crossings_by_jump(cycle_map) if jump.attracting),
         rotation=rotation_number(cycle_map),
         noise=noise,
         operator=operator,
         staircase=sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
         prediction=predict_staircase(cycle_map, noise, operator),
-        cycle=loop.cycle(max(stable, key=lambda theta: _density_at(operator, theta), default=0.0)),
+        cycle=loop.cycle(float(visited[0])),
         drifting=drifting,
         worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
         uncertainty=uncertainty,
@@ -195,9 +188,22 @@ def portrait(
     return result
 
 
-def known_directions(loop: CollectionLoop, progress: Progress) -> DirectionUncertainty | None:
-    """How well a loop's stable directions are known; None for what stands in for a loop, its map alone being known."""
-    return direction_uncertainty(loop, progress) if isinstance(loop, CollectionLoop) else None
+def _maps_of(
+    loop: CollectionLoop, cycles: int, tolerance: float, report: Progress
+) -> tuple[CircleMap, DriftingMap | None, DirectionUncertainty | None]:
+    """The cycle map; where the surface wears, the map over a run; how well stable directions are known.
+
+    That is nearly all of the work: 0.8 of the progress. The last is None for what stands in for a loop, its map alone
+    being known.
+    """
+    share, drifting, uncertainty = 0.6 if loop.material.wear is None else 0.2, None, None
+    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
+    if loop.material.wear is not None:
+        # How many maps it takes is not known before.
+        drifting = drifting_map(loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS)))
+    if isinstance(loop, CollectionLoop):
+        uncertainty = direction_uncertainty(loop, lambda done: report(0.6 + 0.2 * done))
+    return cycle_map, drifting, uncertainty
 
 
 def noises_of(
@@ -233,21 +239,13 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     )
 
 
-def _density_at(operator: TransferOperator, theta: float) -> float:
-    return float(operator.density(np.array([theta]))[0])
-
-
 @dataclass(frozen=True, eq=False)
 class StaircaseForecast:
-    """A predicted staircase.
+    """A predicted staircase; loop, map, noise, prediction, drifting, worn and uncertainty as of a `Portrait`.
 
-    map : the cycle map, θ in rad. noise : white, added to every cycle. prediction : what runs are like on average.
     log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
     too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
-    comparison : these steps beside the prediction. drifting, worn : where the surface wears, its map over the cycles of
-    the run, which then follows it, and what runs on the surface of the last cycle are like; `map`, `prediction` and
-    `comparison` are of the fresh surface. uncertainty : how well its stable directions are known, None where the
-    mechanics is not.
+    comparison : these steps beside the prediction, of the fresh surface.
     """
 
     loop: CollectionLoop
@@ -276,19 +274,13 @@ def staircase_forecast(
     """Predict the staircase of `loop`.
 
     sigma : standard deviation (rad) of the noise of one cycle; None: the run takes the material's own, where it has
-    one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees.
-    cycles, start (rad), seed : of the run.
-    tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
-
-    Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
+    one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees. All else, and
+    what is raised, as of `portrait`.
     """
     report = progress or (lambda fraction: None)
-    share = 0.6 if loop.material.wear is None else 0.2
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
+    cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
     noise, kicks = noises_of(loop, cycle_map, sigma)
     prediction = predict_staircase(cycle_map, noise)
-    drifting = drift_of(loop, cycles, lambda done: report(0.2 + 0.4 * done))
-    uncertainty = known_directions(loop, lambda done: report(0.6 + 0.2 * done))
     report(0.8)
     run = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
     worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)

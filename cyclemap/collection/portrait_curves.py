@@ -9,7 +9,6 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.portrait import FULL_TURN, Portrait
 from cyclemap.maps import CircleMap, transfer_operator
-from cyclemap.mechanics import Trajectory
 
 OUTLINE_POINTS = 400
 # Where along the rod's path a force is shown.
@@ -24,6 +23,7 @@ class StrokeScene:
     centre : (n, 2) path of the object's centre. rod : (n, 2) path of the rod's centre. rod_radius : m.
     sliding : (n,) bool, where the rod slides along the object.
     force_point, force : (m, 2) some contact points and the forces on the object there.
+    reach : (2, 2) m, the lowest and the highest x, y of anything in the scene.
     """
 
     before: Array
@@ -36,52 +36,44 @@ class StrokeScene:
     sliding: NDArray[np.bool_]
     force_point: Array
     force: Array
-
-    @property
-    def reach(self) -> Array:
-        """(2, 2) m: the lowest and the highest x, y of anything in the scene."""
-        radius = self.rod_radius
-        tips = self.force_point
-        everything = np.concatenate([self.before, self.after, self.rod - radius, self.rod + radius, tips])
-        return np.array([everything.min(axis=0), everything.max(axis=0)])
+    reach: Array
 
 
 @dataclass(frozen=True, eq=False)
 class CycleScene:
-    """The push and the drag of one cycle; the world's origin is the reset target."""
+    """The push and the drag of one cycle, its origin the reset target. strongest_force : N, of those shown."""
 
     push: StrokeScene
     drag: StrokeScene
-
-    @property
-    def strongest_force(self) -> float:
-        """N, the largest of the forces shown."""
-        return float(max(np.hypot(*stroke.force.T).max() for stroke in (self.push, self.drag)))
+    strongest_force: float
 
 
 def cycle_scene(loop: CollectionLoop, cycle: Cycle) -> CycleScene:
     """The scene of `cycle`, which `loop` ran."""
-    return CycleScene(push=_stroke(loop, cycle.trajectory.push), drag=_stroke(loop, cycle.trajectory.drag))
-
-
-def _stroke(loop: CollectionLoop, trajectory: Trajectory) -> StrokeScene:
-    outline = loop.slider.outline_points(OUTLINE_POINTS)
-    hitch = np.asarray(loop.slider.hitch, dtype=float)
-    first, last = trajectory.pose[0], trajectory.pose[-1]
-    travelled = trajectory.path / max(trajectory.path[-1], np.finfo(float).tiny)
-    shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
-    return StrokeScene(
-        before=placed(first, outline),
-        after=placed(last, outline),
-        ring_before=placed(first, hitch),
-        ring_after=placed(last, hitch),
-        centre=trajectory.pose[:, :2],
-        rod=trajectory.pusher,
-        rod_radius=loop.pusher.radius,
-        sliding=np.char.startswith(np.asarray(trajectory.mode, dtype=str), "slide"),
-        force_point=trajectory.contact_point[shown],
-        force=trajectory.contact_force[shown],
-    )
+    outline, hitch, strokes = loop.slider.outline_points(OUTLINE_POINTS), np.array(loop.slider.hitch, dtype=float), []
+    for course in (cycle.trajectory.push, cycle.trajectory.drag):
+        first, last = course.pose[0], course.pose[-1]
+        travelled = course.path / max(course.path[-1], np.finfo(float).tiny)
+        shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
+        before, after, tips = placed(first, outline), placed(last, outline), course.contact_point[shown]
+        rod = [course.pusher - loop.pusher.radius, course.pusher + loop.pusher.radius]
+        everything = np.concatenate([before, after, *rod, tips])
+        stroke = StrokeScene(
+            before=before,
+            after=after,
+            ring_before=placed(first, hitch),
+            ring_after=placed(last, hitch),
+            centre=course.pose[:, :2],
+            rod=course.pusher,
+            rod_radius=loop.pusher.radius,
+            sliding=np.char.startswith(np.asarray(course.mode, dtype=str), "slide"),
+            force_point=tips,
+            force=course.contact_force[shown],
+            reach=np.array([everything.min(axis=0), everything.max(axis=0)]),
+        )
+        strokes.append(stroke)
+    push, drag = strokes
+    return CycleScene(push, drag, float(max(np.hypot(*stroke.force.T).max() for stroke in strokes)))
 
 
 def placed(pose: Array, points: Array) -> Array:
@@ -181,12 +173,15 @@ def cobweb(portrait: Portrait) -> Cobweb:
     largest = max(abs(portrait.turns.minimum), abs(portrait.turns.maximum))
     half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
     low, high = centre - half, centre + half
+    # Every lift of the jumps and of the unstable points in the window.
     jumps = np.array([jump.theta for jump in curve.jumps])
-    pieces = _pieces(low, high, _lifts_between(jumps, low, high))
-    beside = 0.01 * (high - low)
     unstable = np.array([orbit.points[0] for orbit in portrait.fixed_points if not orbit.stable])
+    turns = FULL_TURN * np.arange(np.floor(low / FULL_TURN) - 1, np.ceil(high / FULL_TURN) + 1)
+    lifts = (np.add.outer(turns, theta).ravel() for theta in (jumps, unstable))
+    cuts, between = (every[(every >= low) & (every <= high)] for every in lifts)
+    pieces, beside = _pieces(low, high, cuts), 0.01 * (high - low)
     starts = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(portrait.map.turn(high) < 0)
-    starts += [place + side for place in _lifts_between(unstable, low, high) for side in (-beside, beside)]
+    starts += [place + side for place in between for side in (-beside, beside)]
     paths = tuple(_cobweb_path(portrait.map, start, low, high) for start in starts)
     return Cobweb(low, high, tuple((piece, portrait.map(piece)) for piece in pieces), paths)
 
@@ -215,10 +210,3 @@ def _pieces(low: float, high: float, cuts: Array) -> tuple[Array, ...]:
         np.linspace(left + hair, right - hair, size)
         for left, right, size in zip(edges[:-1], edges[1:], sizes, strict=True)
     )
-
-
-def _lifts_between(theta: Array, low: float, high: float) -> Array:
-    """Every lift of the angles `theta` (n,) that lies in [low, high]."""
-    turns = np.arange(np.floor(low / FULL_TURN) - 1, np.ceil(high / FULL_TURN) + 1)
-    lifts = np.add.outer(FULL_TURN * turns, theta).ravel()
-    return lifts[(lifts >= low) & (lifts <= high)]

@@ -13,8 +13,6 @@ from cyclemap.maps import CircleMap, DriftingMap
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
 BLEND_TOLERANCE = 1e-3
-# Maps that most drifts take.
-_USUAL_MAPS = 12
 # Radians: accuracy of the maps that are blended.
 MAP_TOLERANCE = 1e-4
 
@@ -30,16 +28,6 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     if material.wear is None:
         return loop
     return replace(loop, material=replace(material, friction=material.friction_after(cycles), wear=None))
-
-
-def drift_of(loop: CollectionLoop, cycles: int, progress: Callable[[float], None]) -> DriftingMap | None:
-    """The map of `loop` as its surface wears over a run of cycles; None where it does not wear.
-
-    `progress` is called with a fraction of 1 that grows with the maps computed: how many it takes is not known before.
-    """
-    if loop.material.wear is None:
-        return None
-    return drifting_map(loop, cycles, progress=lambda done: progress(min(1.0, done / _USUAL_MAPS)))
 
 
 def drifting_map(

@@ -4,7 +4,7 @@ Planning
 --------
 SweepPlan, SweptPoint : which points, of which loop, and what is asked of each
 Grid, Sample, SweepAxis, SweepRange : all combinations of values, or a number of points spread over ranges
-PortraitNumbers, PointNumbers, PointOutcome, Quantity : what is found at a point
+PortraitNumbers, PointOutcome, Quantity : what is found at a point
 
 Running
 -------
@@ -25,7 +25,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap.sweeps.point_sets import Grid, Sample, SweepAxis, SweepRange
-    from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, PortraitNumbers, Quantity, SweptPoint
+    from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers, Quantity, SweptPoint
     from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
     from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, sweep_curves
     from cyclemap.sweeps.sweep_plan import SweepPlan
@@ -35,7 +35,7 @@ else:
     import_on_first_use(__name__)
 
 __all__ = ["Grid", "Sample", "SweepAxis", "SweepRange"]
-__all__ += ["PointNumbers", "PointOutcome", "PortraitNumbers", "Quantity", "SweptPoint"]
+__all__ += ["PointOutcome", "PortraitNumbers", "Quantity", "SweptPoint"]
 __all__ += ["run_sweep", "sweep_status"]
 __all__ += ["SweptLines", "SweptPlane", "SweptScatter", "sweep_curves"]
 __all__ += ["SweepPlan"]

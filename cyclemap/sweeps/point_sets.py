@@ -162,8 +162,8 @@ class Grid:
     """Every combination of the values of the axes, the last axis running fastest.
 
     >>> grid = Grid((SweepAxis("mu_a", (0.2, 0.3)), SweepAxis("side", (0, 1))))
-    >>> grid.shape, len(grid), grid.settings(2)
-    ((2, 2), 4, {'mu_a': 0.3, 'side': 0.0})
+    >>> len(grid), grid.settings(2)
+    (4, {'mu_a': 0.3, 'side': 0.0})
     """
 
     axes: tuple[SweepAxis, ...]
@@ -181,13 +181,8 @@ class Grid:
         """The swept keys, in order."""
         return tuple(axis.key for axis in self.axes)
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """How many values each axis has."""
-        return tuple(len(axis.values) for axis in self.axes)
-
     def __len__(self) -> int:
-        return math.prod(self.shape)
+        return math.prod(len(axis.values) for axis in self.axes)
 
     def settings(self, number: int) -> dict[str, object]:
         """The swept settings of point `number`, counted from 0."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
@@ -59,21 +58,16 @@ def code_version() -> str:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that every point has, or a list of numbers (`listed`) of which it has as many as there are.
+    """A number that every point has, or a list of numbers of which it has as many as there are.
 
     unit : "rad", "1", "cycles" or "turns/cycle"; angles are kept in rad and written in degrees.
-    many : the name of what a list runs over.
+    many : the name of what a list runs over, empty for a number.
     """
 
     name: str
     unit: str
     meaning: str
     many: str = ""
-
-    @property
-    def listed(self) -> bool:
-        """Whether a point has any number of these."""
-        return bool(self.many)
 
     @property
     def written_name(self) -> str:
@@ -85,13 +79,9 @@ class Quantity:
         """The unit in files."""
         return "degree" if self.unit == "rad" else self.unit
 
-    def written(self, value: float) -> float:
-        """The value as files have it."""
-        return float(self.written_array(np.array(value)))
-
-    def written_array(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values, of any shape, as files have them."""
-        return np.degrees(values) if self.unit == "rad" else values
+    def written(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Values (...), SI, as files have them."""
+        return np.asarray(np.degrees(values) if self.unit == "rad" else values, dtype=float)
 
 
 _FIXED = "fixed_point"
@@ -179,27 +169,9 @@ class PointOutcome:
     refusal: str = ""
 
 
-class PointNumbers(Protocol):
-    """What a sweep asks of every point: picklable, and the same outcome for the same point, wherever it runs."""
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """What an outcome may hold."""
-
-    @property
-    def version(self) -> str:
-        """Which code finds the numbers; outcomes of another version are never mixed in."""
-
-    def described(self) -> dict[str, object]:
-        """What else the numbers depend on, as JSON takes it."""
-
-    def __call__(self, point: SweptPoint) -> PointOutcome:
-        """Find the numbers of a point."""
-
-
 @dataclass(frozen=True)
 class PortraitNumbers:
-    """Some groups of the portrait's numbers.
+    """What a sweep asks of every point: some groups of the portrait's numbers.
 
     groups : of `GROUPS`; "map" is always among them. tolerance : of the cycle map, rad.
     rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
@@ -227,11 +199,11 @@ class PortraitNumbers:
 
     @property
     def version(self) -> str:
-        """A digest of the code."""
+        """A digest of the code that finds the numbers; outcomes of another are never mixed in."""
         return code_version()
 
     def described(self) -> dict[str, object]:
-        """The groups and tolerances."""
+        """The groups and tolerances: what else the numbers depend on, as JSON takes it."""
         return {"groups": list(self.groups), "tolerance": self.tolerance, "rotation_tolerance": self.rotation_tolerance}
 
     def __call__(self, point: SweptPoint) -> PointOutcome:
@@ -239,8 +211,8 @@ class PortraitNumbers:
         try:
             settings, said = without_noise(point.settings)
             loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
-            sigma = DEFAULT_SIGMA if said is None else said
-            work = self._coarse(loop, sigma) or _Work(_map_of(loop, self.tolerance), sigma, self.rotation_tolerance)
+            noise = WrappedNormal(DEFAULT_SIGMA if said is None else said)
+            work = self._coarse(loop, noise) or _Work(_map_of(loop, self.tolerance), noise, self.rotation_tolerance)
         except CycleMapError as error:
             return PointOutcome({}, str(error))
         values: Values = {}
@@ -252,18 +224,21 @@ class PortraitNumbers:
                 refusals.append(f"{group}: {error}")
         return PointOutcome(values, "; ".join(refusals))
 
-    def _coarse(self, loop: CollectionLoop, sigma: float) -> _Work | None:
+    def _coarse(self, loop: CollectionLoop, noise: WrappedNormal) -> _Work | None:
         """The coarser map where it settles all that is asked for."""
         if self.rotation_tolerance == 0.0 or not set(self.groups) <= set(CHEAP_GROUPS):
             return None
-        work = _Work(_map_of(loop, _COARSER * self.tolerance), sigma, self.rotation_tolerance)
+        work = _Work(_map_of(loop, _COARSER * self.tolerance), noise, self.rotation_tolerance)
         try:
-            settled = ("rotation" not in self.groups or work.is_rotation_settled) and (
-                "fixed_points" not in self.groups or work.are_points_settled
-            )
+            if "rotation" in self.groups and is_nondecreasing(work.map):
+                # Maps that fold have an interval anyway; whether the number is told as finely as asked, soon.
+                found = rotation_number(work.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES)
+                if found.locked is None and found.upper - found.lower > 2.0 * self.rotation_tolerance:
+                    return None
+                work.rotation = found
+            return work if "fixed_points" not in self.groups or work.are_points_settled else None
         except CycleMapError:
             return None
-        return work if settled else None
 
 
 # A coarser and a finer one.
@@ -275,15 +250,11 @@ def _map_of(loop: CollectionLoop, tolerance: float) -> CircleMap:
 
 @dataclass
 class _Work:
-    """A map, the noise (rad), and the operator of both once it is needed."""
+    """A map, the noise, and the operator of both once it is needed."""
 
     map: CircleMap
-    sigma: float
+    noise: WrappedNormal
     rotation_tolerance: float
-
-    @property
-    def noise(self) -> WrappedNormal:
-        return WrappedNormal(self.sigma)
 
     @cached_property
     def rotation(self) -> RotationNumber:
@@ -292,15 +263,6 @@ class _Work:
     @cached_property
     def points(self) -> list[Orbit]:
         return fixed_points(self.map)
-
-    @property
-    def is_rotation_settled(self) -> bool:
-        """Whether the rotation number is told as finely as asked, soon; maps that fold have an interval anyway."""
-        if not is_nondecreasing(self.map):
-            return True
-        found = rotation_number(self.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES)
-        self.rotation = found
-        return found.locked is not None or found.upper - found.lower <= 2.0 * self.rotation_tolerance
 
     @property
     def are_points_settled(self) -> bool:
@@ -322,10 +284,6 @@ class _Work:
     @cached_property
     def operator(self) -> TransferOperator:
         return transfer_operator(self.map, self.noise)
-
-
-def _map_values(work: _Work) -> Values:
-    return {"samples": float(work.map.samples), "max_error": float(work.map.max_error)}
 
 
 def _rotation_values(work: _Work) -> Values:
@@ -353,17 +311,6 @@ def _fixed_point_values(work: _Work) -> Values:
     }
 
 
-def _turn_values(work: _Work) -> Values:
-    turns = turn_statistics(work.map)
-    return {
-        "mean_turn": turns.mean,
-        "min_turn": turns.minimum,
-        "max_turn": turns.maximum,
-        "min_slope": turns.min_slope,
-        "max_slope": turns.max_slope,
-    }
-
-
 def _stationary_values(work: _Work) -> Values:
     operator = work.operator
     # The gap without the error bound that it has in a portrait, which takes as long as all the rest.
@@ -385,10 +332,12 @@ def _staircase_values(work: _Work) -> Values:
 
 
 _FOUND: dict[str, Callable[[_Work], Values]] = {
-    "map": _map_values,
+    "map": lambda work: {"samples": float(work.map.samples), "max_error": float(work.map.max_error)},
     "rotation": _rotation_values,
     "fixed_points": _fixed_point_values,
-    "turns": _turn_values,
+    "turns": lambda work: dict(
+        zip((one.name for one in GROUPS["turns"]), astuple(turn_statistics(work.map)), strict=True)
+    ),
     "stationary": _stationary_values,
     "staircase": _staircase_values,
 }

@@ -26,7 +26,7 @@ from typing import Any
 from cyclemap.checks import whole_number
 from cyclemap.errors import CycleMapError, DoubtfulInput
 from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE
-from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
+from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers, SweptPoint
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_store import SweepStatus, SweepStore
 
@@ -34,16 +34,11 @@ from cyclemap.sweeps.sweep_store import SweepStatus, SweepStore
 _THREADS = ("OPENBLAS_NUM_THREADS", THREADS_VARIABLE)
 
 
-@dataclass(frozen=True, eq=False)
-class FoundChunk:
-    """What a worker sends back: points with their outcomes, the worker's code version, and the seconds it took."""
-
-    found: tuple[tuple[SweptPoint, PointOutcome], ...]
-    version: str
-    seconds: float
+# What a worker sends back: points with their outcomes, the worker's code version, and the seconds it took.
+FoundChunk = tuple[list[tuple[SweptPoint, PointOutcome]], str, float]
 
 
-def find_chunk(numbers: PointNumbers, points: tuple[SweptPoint, ...]) -> FoundChunk:
+def find_chunk(numbers: PortraitNumbers, points: tuple[SweptPoint, ...]) -> FoundChunk:
     """Find the numbers of some points, one after the other.
 
     What a point refuses is in its outcome; any other failure is a CycleMapError that names the point.
@@ -63,7 +58,7 @@ def find_chunk(numbers: PointNumbers, points: tuple[SweptPoint, ...]) -> FoundCh
                 f"point {point.number} ({', '.join(told)}) failed, which no input should make it do: "
                 f"{type(error).__name__}: {error}"
             ) from error
-    return FoundChunk(tuple(found), numbers.version, time.perf_counter() - begun)
+    return found, numbers.version, time.perf_counter() - begun
 
 
 class InThisProcess(Executor):
@@ -225,20 +220,19 @@ class _Run:
             if future.cancelled():
                 continue
             try:
-                chunk = future.result()
+                found, version, seconds = future.result()
             except CancelledError as error:
                 raise CycleMapError(f"the executor dropped a chunk ({error}): run the same sweep again") from error
-            if chunk.version != (wanted := self.plan.numbers.version):
+            if version != (wanted := self.plan.numbers.version):
                 raise CycleMapError(
-                    f"a worker runs another version of the code ({chunk.version}, not {wanted}): install the same one "
-                    "there"
+                    f"a worker runs another version of the code ({version}, not {wanted}): install the same one there"
                 )
-            self.store.add(chunk.found)
-            seconds = chunk.seconds / len(chunk.found)
-            self.point_seconds = seconds if self.point_seconds is None else 0.5 * (self.point_seconds + seconds)
-            refused = sum(bool(outcome.refusal) for _, outcome in chunk.found)
+            self.store.add(found)
+            each = seconds / len(found)
+            self.point_seconds = each if self.point_seconds is None else 0.5 * (self.point_seconds + each)
+            refused = sum(bool(outcome.refusal) for _, outcome in found)
             before = self.status
-            self.status = SweepStatus(before.points, before.stored + len(chunk.found), before.refused + refused)
+            self.status = SweepStatus(before.points, before.stored + len(found), before.refused + refused)
             self.progress(self.status)
 
     def _cancel(self) -> None:

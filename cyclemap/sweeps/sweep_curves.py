@@ -18,7 +18,7 @@ class SweptPlane:
     """A grid over two keys.
 
     first, second : the axes of rows and columns. planes : quantities with their values (m, n), angles in degrees, nan
-    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m, n), a refusal.
+    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m, n).
     """
 
     first: SweepAxis
@@ -59,6 +59,7 @@ class SweptScatter:
 
 
 SweptCurves = SweptPlane | SweptLines | SweptScatter
+_ROTATION = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
 
 
 def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
@@ -84,34 +85,25 @@ def _chosen(sweep: Sweep, names: tuple[str, ...]) -> tuple[tuple[Quantity, Array
     """Quantities with their values as they are written; by default the rotation number and the stable points."""
     told = names or tuple(name for name in ("rotation", "stable_points") if name in sweep.columns)
     chosen = [sweep.quantity(name) for name in told or tuple(sweep.columns)[:2]]
-    listed = next((one.name for one in chosen if one.listed), None)
+    listed = next((one.name for one in chosen if one.many), None)
     if listed is not None:
         raise InvalidInput(f"{listed} is a list at each point: draw a quantity that is one number")
-    return tuple((one, one.written_array(sweep.columns[one.name])) for one in chosen)
+    return tuple((one, one.written(sweep.columns[one.name])) for one in chosen)
 
 
 def _plane(sweep: Sweep, names: tuple[str, ...]) -> SweptPlane:
-    at = sweep.places()
-
-    def spread(values: Array) -> Array:
-        plane = np.full(sweep.shape, np.nan)
-        plane[at] = values
-        return plane
-
-    planes = tuple((one, spread(values)) for one, values in _chosen(sweep, names))
-    refused = spread(sweep.refused.astype(float)) == 1.0
-    return SweptPlane(sweep.axes[0], sweep.axes[1], planes, _rotation_plane(sweep), refused)
-
-
-def _rotation_plane(sweep: Sweep) -> RotationPlane | None:
-    """The rotation numbers; whether a map folds is told by its least slope, where that was asked for."""
-    if "rotation" not in sweep.columns:
-        return None
-    value, lower, upper = (sweep.on_grid(name) for name in ("rotation", "rotation_lower", "rotation_upper"))
-    period, winding = (np.nan_to_num(sweep.on_grid(name)).astype(int) for name in ("locked_period", "locked_winding"))
-    folded = sweep.on_grid("min_slope") < 0.0 if "min_slope" in sweep.columns else np.zeros(value.shape, dtype=bool)
-    first, second = (axis_places(axis) for axis in sweep.axes)
-    return RotationPlane(first, second, value, lower, upper, period, winding, folded, 0.0)
+    planes = tuple((one, one.written(sweep.on_grid(one.name))) for one, _ in _chosen(sweep, names))
+    refused = np.zeros(sweep.shape, dtype=bool)
+    refused[sweep.places()] = sweep.refused
+    rotation = None
+    if "rotation" in sweep.columns:
+        value, lower, upper, periods, windings = (sweep.on_grid(name) for name in _ROTATION)
+        period, winding = (np.nan_to_num(found).astype(int) for found in (periods, windings))
+        # Whether a map folds is told by its least slope, where that was asked for.
+        folded = sweep.on_grid("min_slope") < 0.0 if "min_slope" in sweep.columns else np.zeros(sweep.shape, dtype=bool)
+        first, second = (axis_places(axis) for axis in sweep.axes)
+        rotation = RotationPlane(first, second, value, lower, upper, period, winding, folded, 0.0)
+    return SweptPlane(sweep.axes[0], sweep.axes[1], planes, rotation, refused)
 
 
 def axis_places(axis: SweepAxis) -> Array:
@@ -121,31 +113,24 @@ def axis_places(axis: SweepAxis) -> Array:
 
 def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
     """Points in the order of the axis; a sample's are put in the order of their values."""
-    axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(sorted(set(sweep.swept[key]), key=_order)))
+    # Numbers by size, then words.
+    values = sorted(
+        set(sweep.swept[key]), key=lambda one: (0, one, "") if isinstance(one, float) else (1, 0.0, str(one))
+    )
+    axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(values))
     (place,) = replace(sweep, axes=(axis,)).places()
     parameter = axis_places(axis)[place]
     order = np.argsort(parameter, kind="stable")
     lines = tuple((one, values[order]) for one, values in _chosen(sweep, names))
     refused = parameter[sweep.refused]
-    rotation_at, rotation = _rotation_numbers(sweep, parameter, order)
-    points = None
+    rotation_at, rotation, points = np.empty(0), None, None
+    told = order[np.isfinite(sweep.columns["rotation"][order])] if "rotation" in sweep.columns else order[:0]
+    if told.size:
+        value, lower, upper, period, winding = (sweep.columns[name][told] for name in _ROTATION)
+        rotation_at = parameter[told]
+        rotation = RotationNumbers(value, lower, upper, period.astype(int), winding.astype(int), 0.0)
     if "fixed_point_theta" in sweep.lists:
         theta, stable = sweep.lists["fixed_point_theta"], sweep.lists["fixed_point_stable"]
         at = np.repeat(parameter, [values.size for values in theta])
         points = at, np.degrees(np.concatenate(theta)), np.concatenate(stable) == 1.0
     return SweptLines(axis, parameter[order], lines, rotation_at, rotation, points, refused)
-
-
-def _order(value: object) -> tuple[bool, float, str]:
-    return (True, 0.0, str(value)) if not isinstance(value, float) else (False, value, "")
-
-
-def _rotation_numbers(sweep: Sweep, parameter: Array, order: NDArray[np.int64]) -> tuple[Array, RotationNumbers | None]:
-    if "rotation" not in sweep.columns:
-        return np.empty(0), None
-    order = order[np.isfinite(sweep.columns["rotation"][order])]
-    if not order.size:
-        return np.empty(0), None
-    names = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
-    value, lower, upper, period, winding = (sweep.columns[name][order] for name in names)
-    return parameter[order], RotationNumbers(value, lower, upper, period.astype(int), winding.astype(int), 0.0)

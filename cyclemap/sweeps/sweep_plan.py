@@ -24,7 +24,7 @@ from cyclemap.sweeps.point_sets import (
     check_key,
     checked_value,
 )
-from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, SweptPoint
+from cyclemap.sweeps.portrait_numbers import PortraitNumbers, SweptPoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class SweepPlan:
     points: PointSet
     material: str | Path | Material | None = None
     settings: Mapping[str, object] = field(default_factory=dict)
-    numbers: PointNumbers = PortraitNumbers()
+    numbers: PortraitNumbers = PortraitNumbers()
     materials: Mapping[str, Material] = field(init=False)
     footprint_files: Mapping[str, str] = field(init=False)
 
@@ -60,7 +60,11 @@ class SweepPlan:
             raise InvalidInput(f"{both} is both set and swept: give it once")
         object.__setattr__(self, "settings", {key: checked_value(key, value) for key, value in self.settings.items()})
         object.__setattr__(self, "materials", self._loaded_materials())
-        object.__setattr__(self, "footprint_files", self._read_footprints())
+        # What the files hold counts, not their names: points found with other support points are other points.
+        names = {str(self.settings.get(FOOTPRINT_KEY, "")), *_listed_words(self.points, FOOTPRINT_KEY)}
+        files = (Path(name) for name in sorted(names) if name)
+        digests = {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
+        object.__setattr__(self, "footprint_files", digests)
         # Settings with which no loop can be made: not by themselves, nor at the first or the last point.
         material = next(iter(self.materials.values()))
         points = [self.point(number) for number in (0, len(self) - 1)]
@@ -79,10 +83,10 @@ class SweepPlan:
         material: str | Path | Material | None,
         over: Mapping[str, Sequence[object]],
         settings: Mapping[str, object] | None = None,
-        numbers: PointNumbers | None = None,
+        numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
         """Return the plan of every combination of the values in `over`, the last key running fastest."""
-        axes = tuple(SweepAxis(key, _several("values", key, values)) for key, values in _mapping(over).items())
+        axes = tuple(SweepAxis(key, values) for key, values in _listed(over, "values").items())
         return cls(Grid(axes), material, settings or {}, numbers or PortraitNumbers())
 
     @classmethod
@@ -94,10 +98,10 @@ class SweepPlan:
         seed: int = 0,
         sequence: str = "sobol",
         settings: Mapping[str, object] | None = None,
-        numbers: PointNumbers | None = None,
+        numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
         """Return the plan of `count` points spread over the ranges (low, high) in `over`."""
-        ends = {key: _several("ends", key, given) for key, given in _mapping(over).items()}
+        ends = _listed(over, "ends")
         uneven = next((key for key, given in ends.items() if len(given) != 2), None)
         if uneven is not None:
             raise InvalidInput(f"{uneven} is drawn from {over[uneven]!r}: give its two ends, (low, high)")
@@ -150,23 +154,14 @@ class SweepPlan:
         assert given is not None
         return {"": given if isinstance(given, Material) else load_material(given)}
 
-    def _read_footprints(self) -> dict[str, str]:
-        """What the files hold counts, not their names: points found with other support points are other points."""
-        names = {str(self.settings.get(FOOTPRINT_KEY, "")), *_listed_words(self.points, FOOTPRINT_KEY)}
-        files = (Path(name) for name in sorted(names) if name)
-        return {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
 
-
-def _mapping(over: object) -> Mapping[str, Any]:
+def _listed(over: object, told: str) -> dict[str, tuple[Any, ...]]:
     if not isinstance(over, Mapping):
         raise InvalidInput(f"over must tell the values of each key, as {{'mu_a': (0.2, 0.3)}}, not {over!r}")
-    return over
-
-
-def _several(told: str, key: str, values: object) -> tuple[Any, ...]:
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise InvalidInput(f"{key} is {values!r}: give its {told} as a list")
-    return tuple(values)
+    for key, values in over.items():
+        if isinstance(values, str) or not isinstance(values, Iterable):
+            raise InvalidInput(f"{key} is {values!r}: give its {told} as a list")
+    return {key: tuple(values) for key, values in over.items()}
 
 
 def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -77,7 +75,8 @@ class Sweep:
         if name in self.columns:
             return self.columns[name]
         if name in self.swept:
-            self._check_numeric(name)
+            if not self.is_numeric(name):
+                raise InvalidInput(f"{name} is no number: name its values")
             return np.array(self.swept[name], dtype=float)
         raise unknown_name("column", name, (*self.columns, *self.swept))
 
@@ -142,16 +141,12 @@ class Sweep:
     def _match(self, key: str, wanted: Wanted) -> tuple[Callable[[object], bool], bool]:
         """Whether a value is wanted, and whether only one value is."""
         if isinstance(wanted, tuple) and len(wanted) == 2 and all(isinstance(end, (int, float)) for end in wanted):
-            self._check_numeric(key)
+            self.values(key)  # refuses words
             low, high = wanted
             return lambda value: bool(low <= value <= high), False
         if isinstance(wanted, list):
             return lambda value: any(_same(value, one) for one in wanted), False
         return lambda value: _same(value, wanted), True
-
-    def _check_numeric(self, key: str) -> None:
-        if not self.is_numeric(key):
-            raise InvalidInput(f"{key} is no number: name its values")
 
 
 def _same(value: object, wanted: object) -> bool:
@@ -176,23 +171,18 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
         axes=tuple(SweepAxis(key, tuple(values)) for key, values in axes.items()),
         quantities=quantities,
         number=np.array([row["number"] for row in rows], dtype=np.int64),
-        swept={key: tuple(_plain(row[key]) for row in rows) for key in keys},
+        swept={key: tuple(row[key] for row in rows) for key in keys},
         columns={
-            one.name: np.array([row[one.name] for row in rows], dtype=float) for one in quantities if not one.listed
+            one.name: np.array([row[one.name] for row in rows], dtype=float) for one in quantities if not one.many
         },
         lists={
             one.name: tuple(np.array(row[one.name] or (), dtype=float) for row in rows)
             for one in quantities
-            if one.listed
+            if one.many
         },
         refusals=tuple(str(row["refusal"]) for row in rows),
         description=description,
     )
-
-
-def _plain(value: Any) -> object:
-    """A swept value as the plan has it: points are kept as JSON."""
-    return tuple(map(tuple, json.loads(value))) if isinstance(value, str) and value.startswith("[[") else value
 
 
 _KEY_UNITS = {"_deg": "degree", "_mm": "mm", "_kg": "kg"}
@@ -204,34 +194,28 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
 
     The file appears whole or not at all (OSError). The same points give the same bytes, however they were found.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    longest = {one.name: _longest(sweep, one) for one in sweep.quantities if one.listed}
-    names = [one.written_name for one in sweep.quantities if not one.listed]
+    import pandas
+
+    table: dict[str, Any] = {"number": sweep.number, **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys}}
+    table |= {one.written_name: one.written(sweep.columns[one.name]) for one in sweep.quantities if not one.many}
     for one in sweep.quantities:
-        names += [f"{one.written_name}_{k + 1}" for k in range(longest.get(one.name, 0))]
-    writer.writerow(["number", *sweep.keys, *names, REFUSAL])
-    for place in range(len(sweep)):
-        line = [str(sweep.number[place]), *(_word(sweep.swept[key][place]) for key in sweep.keys)]
-        line += [_number(one, sweep.columns[one.name][place]) for one in sweep.quantities if not one.listed]
-        for one in sweep.quantities:
-            if one.listed:
-                values = [_number(one, value) for value in sweep.lists[one.name][place]]
-                line += values + [""] * (longest[one.name] - len(values))
-        writer.writerow([*line, sweep.refusals[place]])
-    write_whole(Path(path), text.getvalue().encode())
+        if one.many:
+            table |= {f"{one.written_name}_{k}": values for k, values in enumerate(_padded(sweep, one).T, 1)}
+    text = pandas.DataFrame({**table, REFUSAL: sweep.refusals}).to_csv(index=False, lineterminator="\n")
+    write_whole(Path(path), text.encode())
 
 
 def _word(value: object) -> str:
     return str(value) if isinstance(value, (float, str)) else json.dumps(value)
 
 
-def _number(quantity: Quantity, value: float) -> str:
-    return "" if np.isnan(value) else repr(quantity.written(float(value)))
-
-
-def _longest(sweep: Sweep, quantity: Quantity) -> int:
-    return max((values.size for values in sweep.lists[quantity.name]), default=0)
+def _padded(sweep: Sweep, quantity: Quantity) -> Array:
+    """The lists of the points as files have them, (n, longest), nan behind their ends."""
+    lists = sweep.lists[quantity.name]
+    rows = np.full((len(lists), max((found.size for found in lists), default=0)), np.nan)
+    for row, found in zip(rows, lists, strict=True):
+        row[: found.size] = found
+    return quantity.written(rows)
 
 
 def to_dataset(sweep: Sweep) -> xarray.Dataset:
@@ -248,17 +232,14 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     for one in sweep.quantities:
         attributes = {"units": one.written_unit, "long_name": one.meaning}
-        if not one.listed:
+        if not one.many:
             values = np.full(shape, np.nan)
-            values[at] = one.written_array(sweep.columns[one.name])
+            values[at] = one.written(sweep.columns[one.name])
             variables[one.written_name] = (dimensions, values, attributes)
             continue
-        lists = sweep.lists[one.name]
-        padded, count = np.full((*shape, _longest(sweep, one)), np.nan), np.zeros(shape, dtype=np.int64)
-        rows = np.full((len(lists), padded.shape[-1]), np.nan)
-        for row, found in zip(rows, lists, strict=True):
-            row[: found.size] = found
-        padded[at], count[at] = one.written_array(rows), [found.size for found in lists]
+        rows = _padded(sweep, one)
+        padded, count = np.full((*shape, rows.shape[-1]), np.nan), np.zeros(shape, dtype=np.int64)
+        padded[at], count[at] = rows, [found.size for found in sweep.lists[one.name]]
         about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
         variables[one.written_name] = ((*dimensions, one.many), padded, attributes)
         variables[f"{one.many}_count"] = (dimensions, count, about)

@@ -11,7 +11,7 @@ import json
 import math
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -52,7 +52,7 @@ class SweepStatus:
         return self.stored == self.points
 
 
-class SweepStore:
+class SweepStore(AbstractContextManager["SweepStore"]):
     """An open store; use it in a `with` block.
 
     Raises DataFileError for a file that is damaged or no store of a sweep, InvalidInput for the store of another
@@ -77,15 +77,10 @@ class SweepStore:
             self.connection.close()
             raise
 
-    def __enter__(self) -> "SweepStore":
-        return self
-
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.connection.close()
-
-    # -- what is stored ------------------------------------------------------------------------------------
 
     def status(self) -> SweepStatus:
         """How far the sweep is."""
@@ -109,9 +104,10 @@ class SweepStore:
             for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
                 found = dict(zip(names, row, strict=True))
                 found.update({name: tuple(json.loads(found[name])) for name in lists if found[name] is not None})
+                # Swept points, as against words.
+                texts = {key: found[key] for key in keys if str(found[key]).startswith("[[")}
+                found.update({key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()})
                 yield found
-
-    # -- writing -------------------------------------------------------------------------------------------
 
     def add(self, found: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
         """Store outcomes, all or none of them; a point that is stored already stays as it is."""
@@ -137,8 +133,6 @@ class SweepStore:
         quantities: list[dict[str, str]] = self.description["columns"]  # type: ignore[assignment]
         scalars = [one["name"] for one in quantities if not one["many"]]
         return list(self.description["keys"]), scalars, [one["name"] for one in quantities if one["many"]]  # type: ignore[call-overload]
-
-    # -- opening -------------------------------------------------------------------------------------------
 
     def _begun(self, plan: SweepPlan | None) -> dict[str, object]:
         """Check the file, or begin a new one; return its description."""
@@ -210,8 +204,6 @@ class SweepStore:
                 "folder or remove it"
             )
 
-    # -- faults --------------------------------------------------------------------------------------------
-
     @contextmanager
     def _transaction(self) -> Iterator[None]:
         self.connection.execute("BEGIN IMMEDIATE")
@@ -246,7 +238,8 @@ class SweepStore:
             raise StoreWriteError(f"{self.path} cannot be written ({error.strerror}): choose another folder") from error
 
     def _damaged(self, fault: str) -> DataFileError:
-        return DataFileError(f"{self.path}: damaged, or no store of a sweep ({fault}); remove it and sweep again")
+        told = " ".join(fault.split())
+        return DataFileError(f"{self.path}: damaged, or no store of a sweep ({told}); remove it and sweep again")
 
 
 def _description(plan: SweepPlan) -> dict[str, object]:

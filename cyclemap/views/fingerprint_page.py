@@ -110,10 +110,10 @@ def five_numbers(response: TurnResponse) -> tuple[str, ...]:
 
 def protocol_sentence(found: Fingerprint) -> str:
     """What the protocol does, in a sentence."""
-    parts = f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
-    offset, ellipse = (angle(0.01 * size, 2) for size in (found.offset_amplitude, found.ellipse_amplitude))
+    whole, parts = found.cycle, f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
+    offset, ellipse = (angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude))
     return (
-        f"On an isotropic surface a cycle turns the object by {angle(found.turn, 2)} ({parts}); an offset of 1 % "
+        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({parts}); an offset of 1 % "
         f"changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}."
     )
 
@@ -137,7 +137,7 @@ def direction_sentence(prediction: Prediction, material: str) -> str:
         for one in stable:
             second = "" if one.second_order is None else f"; to second order {angle(one.second_order.points[0])}"
             width = "± more than 90°" if one.error > ANYWHERE else f"± {angle(one.error)}"
-            places.append(f"{angle(one.theta)} {width} (multiplier {_signed(one.multiplier)}{second})")
+            places.append(f"{angle(one.theta)} {width} (multiplier {_signed(one.orbit.multiplier)}{second})")
         return f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
     pace = ""
     if prediction.mean_turn is not None:

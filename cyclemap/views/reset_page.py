@@ -15,9 +15,9 @@ from matplotlib.ticker import PercentFormatter
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.mechanics import SidePush
 from cyclemap.resets import CycleAction, OrientationLaw, ResetDesign, ResetRow, ResetStrategy
-from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views import style
 from cyclemap.views.object_page import number_sides
 from cyclemap.views.portrait_page import PER_DEGREE
@@ -104,7 +104,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
         shares[action.push or prepared.push] += share
     for push, share in shares.items():
-        tip, way = (np.array(part) for part in rod_start(prepared, push))
+        tip, way = first_contact(prepared.slider, push, prepared.pusher.radius)
         tip, tail, beyond = (1e3 * tip - part * size * way for part in (0.0, _ARROW, _ARROW + 0.09))
         look = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 1.0 + 2.2 * share, "mutation_scale": 16}
         axes.annotate("", tuple(tip), tuple(tail), arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3)

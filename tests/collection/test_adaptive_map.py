@@ -1,12 +1,13 @@
 """Sampling of circle maps: stated errors hold, kinks and jumps are kept, steep climbs are followed."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.errors import InvalidInput
 
 FULL_TURN = 2.0 * math.pi
 
@@ -17,11 +18,11 @@ def smooth(theta, harmonics=3):
     return value, 1.0 + 0.3 * harmonics * math.cos(harmonics * theta + 0.2)
 
 
-def jumping(theta):
-    """A lift with a jump of 0.7 at 2.1 and a smooth course elsewhere."""
+def jumping(theta, place=2.1):
+    """A lift with a jump of 0.7 and a smooth course elsewhere."""
     turns, base = divmod(theta, FULL_TURN)
-    value = base + 0.1 * math.sin(base) + (0.7 * (base - 2.1) / FULL_TURN)
-    value += 0.7 if base < 2.1 else 0.0
+    value = base + 0.1 * math.sin(base) + (0.7 * (base - place) / FULL_TURN)
+    value += 0.7 if base < place else 0.0
     return value + FULL_TURN * turns, 1.0 + 0.1 * math.cos(base) + 0.7 / FULL_TURN
 
 
@@ -108,32 +109,18 @@ def test_noise_that_the_tolerance_cannot_beat_is_confessed():
     assert worst_error(circle, wobbling, theta) <= 3.0 * circle.max_error
 
 
-def test_progress_rises_to_one():
-    """The progress reported never falls and ends at one."""
+def test_progress_rises_to_one_and_a_tolerance_that_is_no_positive_number_is_refused():
     seen = []
     sampled(smooth, 1e-5, progress=seen.append)
     assert seen == sorted(seen) and seen[-1] == 1.0
-
-
-@pytest.mark.parametrize("tolerance", [0.0, -1e-6, math.nan, "fine"])
-def test_tolerance_must_be_positive(tolerance):
-    """A tolerance that is no positive number is refused by name."""
-    with pytest.raises(InvalidInput, match="tolerance"):
-        sampled(smooth, tolerance)
+    for tolerance in (0.0, -1e-6, math.nan, "fine"):
+        refused(sampled, smooth, tolerance, told="tolerance")
 
 
 @pytest.mark.parametrize("beside", [-9e-11, -3e-11, 3e-11, 9e-11])
 def test_a_jump_beside_a_sample_leaves_a_sliver_whose_error_is_known(beside):
     """Between the jump and a first sample there is too little room to be halved: its ends bound what it may hide."""
-    place = FULL_TURN * 8 / 24 + beside
-
-    def lift(theta):
-        turns, base = divmod(theta, FULL_TURN)
-        climbed = base + 0.1 * math.sin(base) - 0.7 * base / FULL_TURN + (0.7 if base >= place else 0.0)
-        return climbed + FULL_TURN * turns, 1.0 + 0.1 * math.cos(base) - 0.7 / FULL_TURN
-
+    lift = partial(jumping, place=FULL_TURN * 8 / 24 + beside)
     found = sampled(lift, 1e-6)
-    assert len(found.breaks) == 1
-    assert abs(found.breaks[0] - place) < 2e-10
-    away = np.linspace(0.01, 6.2, 200)
-    assert np.max(np.abs(found(away) - [lift(theta)[0] for theta in away])) <= found.max_error < 1.0
+    assert found.breaks == pytest.approx([FULL_TURN * 8 / 24 + beside], abs=2e-10)
+    assert worst_error(found, lift, np.linspace(0.01, 6.2, 200)) <= found.max_error < 1.0

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.collection_file import FILE_NAME, collection_text, data_settings, names_surface, read_settings
 from cyclemap.collection.own_object import check_collection, first_contact, first_settings, within_reach
-from cyclemap.collection.settings import layered
+from cyclemap.collection.settings import layered, warn_of_defaults, with_material
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.mechanics import Ellipse, EllipseFriction, FoundWith, Material, Polygon, load_material
 
@@ -41,18 +42,14 @@ def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
     assert found.material.friction.phi == pytest.approx(0.4)
     assert read_settings(path)["noise_deg"] == pytest.approx(2.0)
     assert names_surface(path) and load_material(path).friction == found.material.friction
-
-
-def test_the_same_file_on_another_surface_keeps_its_object_and_push(tmp_path) -> None:
-    found = CollectionLoop.from_file(written(tmp_path, collection_text(own_loop())), surface="plywood")
-    assert found.material.name == "plywood" and found.slider == own_loop().slider
+    moved = CollectionLoop.from_file(path, surface="plywood")
+    assert moved.material.name == "plywood" and moved.slider == own_loop().slider
+    refused(read_settings, written(tmp_path, "[push]\npush_m = 3\n"), told="did you mean 'push_mm'", kind=DataFileError)
 
 
 def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
     """Rod and ring, identified with the surface, are the loop's when the file is read back."""
     found = FoundWith(pusher_friction=0.2, pin_friction_radius=2e-3)
-    from cyclemap.collection.settings import with_material
-
     loop = with_material(own_loop(), replace(WALNUT, found_with=found))
     again = CollectionLoop.from_file(written(tmp_path, collection_text(loop)))
     assert again.pusher.friction == 0.2 and again.reset.pin_friction_radius == pytest.approx(2e-3, abs=1e-12)
@@ -60,14 +57,18 @@ def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
     assert again.next_theta(theta) == pytest.approx(loop.next_theta(theta), abs=1e-9)
 
 
-def test_an_own_object_that_leaves_facts_to_mit_is_doubted_once_by_name() -> None:
-    with pytest.warns(
-        DoubtfulInput, match=r"the ring, the mass, .*still are: give hitch_x_mm, hitch_y_mm, mass_kg"
-    ) as told:
-        from cyclemap.collection.settings import warn_of_defaults
-
-        warn_of_defaults({"vertices_mm": [[0, 0], [9, 0], [0, 9]]})
-    assert len(told) == 1
+def test_an_own_object_that_leaves_facts_to_mit_is_doubted_once_by_name(tmp_path) -> None:
+    """Check names them, too; a later outline takes the place of an earlier one."""
+    one = {"vertices_mm": [[0, 0], [9, 0], [0, 9]], "object_name": "wedge", "push_mm": 80}
+    assert layered(one, {"shape": "hex"}) == {"push_mm": 80, "shape": "hex"}
+    told = r"the ring, the mass, .*still are: give hitch_x_mm, hitch_y_mm, mass_kg"
+    with pytest.warns(DoubtfulInput, match=told) as doubts:
+        warn_of_defaults({"vertices_mm": one["vertices_mm"]})
+    assert len(doubts) == 1
+    found = check_collection(written(tmp_path, "[object]\nsemi_x_mm = 40\nsemi_y_mm = 30\n"))
+    words = " ".join(finding.words for finding in found.findings)
+    for left in ("the ring is not said", "the length of the push is not said", "no surface is said"):
+        assert left in words
 
 
 def test_the_nearest_folder_above_data_tells_what_they_are_of_but_not_the_surface(tmp_path) -> None:
@@ -78,16 +79,6 @@ def test_the_nearest_folder_above_data_tells_what_they_are_of_but_not_the_surfac
         found = data_settings(place)
         assert found["object_name"] == "box" and not {"mu_a", "noise_deg"} & set(found)
     assert data_settings(tmp_path.parent / "elsewhere") == {}
-
-
-def test_a_later_outline_takes_the_place_of_an_earlier_one() -> None:
-    one = {"vertices_mm": [[0, 0], [9, 0], [0, 9]], "object_name": "wedge", "push_mm": 80}
-    assert layered(one, {"shape": "hex"}) == {"push_mm": 80, "shape": "hex"}
-
-
-def test_a_file_that_is_neither_is_refused(tmp_path) -> None:
-    with pytest.raises(DataFileError, match="did you mean 'push_mm'"):
-        read_settings(written(tmp_path, "[push]\npush_m = 3\n"))
 
 
 @pytest.mark.parametrize("shape", ["rect1", "hex", "tri1", "ellip2"])
@@ -142,10 +133,3 @@ def test_check_says_what_is_likely_wrong_and_nothing_of_what_is_right(tmp_path, 
         [wrong] if words else []
     )
     assert words is not None or found.findings == ()
-
-
-def test_check_names_what_is_left_to_mit(tmp_path) -> None:
-    found = check_collection(written(tmp_path, "[object]\nsemi_x_mm = 40\nsemi_y_mm = 30\n"))
-    told = " ".join(finding.words for finding in found.findings)
-    for words in ("the ring is not said", "the length of the push is not said", "no surface is said"):
-        assert words in told

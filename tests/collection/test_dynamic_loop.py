@@ -43,6 +43,8 @@ def test_a_cycle_adds_up_and_is_the_one_of_many():
     np.testing.assert_array_equal(cycle.push_displacement, many.push_displacement[1])
     assert cycle.drag_length == many.drag_length[1]
     assert cycle.trajectory.push.pose[-1] == pytest.approx(cycle.trajectory.drag.pose[0], abs=1e-12)
+    # A loop that has run can be sent to another process.
+    assert pickle.loads(pickle.dumps(loop)) == loop
 
 
 def test_whole_turns_of_the_start_change_nothing_but_the_lift():
@@ -53,11 +55,15 @@ def test_whole_turns_of_the_start_change_nothing_but_the_lift():
 
 
 def test_it_stands_on_the_loops_own_points_and_else_on_the_papers_grid():
+    """The isotropic twin has the area of the limit ellipse and no offset."""
     loop = CollectionLoop.mit()
     corners = corner_footprint(loop.slider.outline)
     assert DynamicLoop(replace(loop, footprint=corners)).model.points == corners
     assert len(DynamicLoop(loop).model.points.positions) == 64
     assert on_points(replace(loop, footprint=corners)).footprint == corners
+    law, twin = loop.material.friction, isotropic_twin(loop).material.friction
+    assert twin.mu_a == twin.mu_b and twin.mu_a**2 == pytest.approx(law.mu_a * law.mu_b)
+    assert (twin.m0, twin.n0) == (0.0, 0.0)
 
 
 LEANING = Slider(
@@ -91,13 +97,6 @@ def test_both_routes_stand_on_points_that_carry_the_patchs_pressure(name):
     assert on_points(loop).footprint.centre == pytest.approx(loop.model.pressure.centre, abs=1e-12)
 
 
-def test_the_isotropic_twin_has_the_area_of_the_limit_ellipse_and_no_offset():
-    loop = CollectionLoop.mit()
-    law, twin = loop.material.friction, isotropic_twin(loop).material.friction
-    assert twin.mu_a == twin.mu_b and twin.mu_a**2 == pytest.approx(law.mu_a * law.mu_b)
-    assert (twin.m0, twin.n0) == (0.0, 0.0)
-
-
 def test_way_points_and_pin_friction_of_the_reset_are_followed():
     loop = CollectionLoop.mit(reset=DragBack(((0.0, 0.05),), 0.002))
     found = compare_dynamics(DynamicLoop(loop), [0.4])
@@ -117,9 +116,3 @@ def test_what_it_cannot_run_is_refused_by_name():
         refused(make, "plywood", told=r"CollectionLoop\.mit.*not 'plywood'")
     refused(compare_dynamics, loop, [0.0], told=r"DynamicLoop\(loop\).*not a CollectionLoop")
     refused(compared(False).difference, "foo", told="'foo': choose one of push_turn")
-
-
-def test_a_loop_that_has_run_can_be_sent_to_another_process():
-    loop = DynamicLoop(CollectionLoop.mit())
-    loop.cycle(0.0, samples=1)
-    assert pickle.loads(pickle.dumps(loop)) == loop

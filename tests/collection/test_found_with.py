@@ -5,7 +5,6 @@ import pickle
 import tomllib
 from dataclasses import asdict, replace
 
-import pytest
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
@@ -30,25 +29,19 @@ def loop_with(**shares):
     return CollectionLoop.mit(Material("found", LAW, plates=(PlatePressure("rect1", **shares),) if shares else ()))
 
 
-@pytest.mark.parametrize(
-    ("found", "wanted"),
-    [
+def test_shares_of_the_weight_reach_the_footprint_each_alone_and_together():
+    """A material with nothing found leaves the loop as it is; what is asked for overrules what was found."""
+    bare = loop_with()
+    for found, wanted in (
         ({"rim_share": 0.3}, (0.0, 0.3, 0.0)),
         ({"inner_share": 0.1}, (0.1, 0.0, 0.0)),
         ({"corner_share": 0.2}, (0.0, 0.0, 0.2)),
         ({"rim_share": 0.2, "inner_share": 0.1, "corner_share": 0.15}, (0.1, 0.2, 0.15)),
-    ],
-)
-def test_shares_of_the_weight_reach_the_footprint_each_alone_and_together(found, wanted):
-    loop = loop_with(**found)
-    assert loop.footprint == PatchFootprint(SQUARE, *wanted)
-    assert (loop.slider, loop.pusher, loop.reset) == (loop_with().slider, loop_with().pusher, loop_with().reset)
-
-
-def test_a_material_with_nothing_found_leaves_the_loop_as_it_is():
-    assert loop_with().footprint is None
-    given = Material("found", LAW, plates=(PlatePressure("rect1", rim_share=0.1),))
-    assert CollectionLoop.mit(given, footprint=None).footprint is None
+    ):
+        loop = loop_with(**found)
+        assert loop.footprint == PatchFootprint(SQUARE, *wanted)
+        assert (loop.slider, loop.pusher, loop.reset) == (bare.slider, bare.pusher, bare.reset)
+        assert CollectionLoop.mit(loop.material, footprint=None).footprint is bare.footprint is None
 
 
 def test_a_plate_presses_as_its_own_name_says_and_another_evenly():
@@ -76,35 +69,35 @@ def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):
     assert loop.reset.pin_friction_radius == 0.002
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("[found_with]\nrim = 0.1", "unknown key of .found_with."),
-        ("[found_with]\nrim_share = 0.1", r"plates.rect1"),
-        ("[plates.rect1]\nrim_share = 0.6\ncorner_share = 0.5", "together be at most 1"),
-        ("[plates.rect1]\nrim = 0.1", "rim_share"),
-        ("[posterior]\nparameters = ['mu_q']\nsamples = [[1.0], [1.0]]", "did you mean"),
-        ("[posterior]\nparameters = ['rim_share']\nsamples = [[1.0], [1.0]]", "rect1.rim_share"),
-        ("[posterior]\nparameters = ['mu_a', 'mu_a']\nsamples = [[1.0, 1.0], [1.0, 1.0]]", "mu_a twice"),
-        ("[posterior]\nparameters = ['mu_a', 'mu_b']\nsamples = [[1.0, 1.0], [1.0]]", "sample 1 must hold 2"),
-        ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3]]", "has 1 samples"),
-        ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3], [-0.3]]", "sample 1: .*mu_a"),
-        (
-            "[posterior]\nparameters = ['rect1.rim_share']\nsamples = [[0.3], [1.3]]\n[plates.rect1]",
-            "sample 1: .*rim_share 1.3",
-        ),
-        ("[posterior]\nparameters = ['worn.mu_a']\nsamples = [[0.3], [0.3]]", "only where the surface wears"),
-        ("[cycle_noise]\ncorrelation = 0.5", "needs log_sigma"),
-        ("[cycle_noise]\nlog_sigma = [1.0, 2.0]", "2 numbers"),
-        ("[cycle_noise]\nlog_sigma = [1.0]\ncorrelation = 1.0", "it must lie in"),
-        ("[worn]\nmu_a = 0.3\nmu_b = 0.3\ncycles = 9\ncourse = [[5, 0.5], [3, 0.6]]", "course of wear"),
-        ("[posterior]\nparameters = 3\nsamples = [[0.3], [0.3]]", "a list of names"),
-    ],
-)
-def test_tables_that_carry_nothing_are_refused_in_one_line(text, told, tmp_path):
+REFUSED = [
+    ("[found_with]\nrim = 0.1", "unknown key of .found_with."),
+    ("[found_with]\nrim_share = 0.1", r"plates.rect1"),
+    ("[plates.rect1]\nrim_share = 0.6\ncorner_share = 0.5", "together be at most 1"),
+    ("[plates.rect1]\nrim = 0.1", "rim_share"),
+    ("[posterior]\nparameters = ['mu_q']\nsamples = [[1.0], [1.0]]", "did you mean"),
+    ("[posterior]\nparameters = ['rim_share']\nsamples = [[1.0], [1.0]]", "rect1.rim_share"),
+    ("[posterior]\nparameters = ['mu_a', 'mu_a']\nsamples = [[1.0, 1.0], [1.0, 1.0]]", "mu_a twice"),
+    ("[posterior]\nparameters = ['mu_a', 'mu_b']\nsamples = [[1.0, 1.0], [1.0]]", "sample 1 must hold 2"),
+    ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3]]", "has 1 samples"),
+    ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3], [-0.3]]", "sample 1: .*mu_a"),
+    (
+        "[posterior]\nparameters = ['rect1.rim_share']\nsamples = [[0.3], [1.3]]\n[plates.rect1]",
+        "sample 1: .*1.3",
+    ),
+    ("[posterior]\nparameters = ['worn.mu_a']\nsamples = [[0.3], [0.3]]", "only where the surface wears"),
+    ("[cycle_noise]\ncorrelation = 0.5", "needs log_sigma"),
+    ("[cycle_noise]\nlog_sigma = [1.0, 2.0]", "2 numbers"),
+    ("[cycle_noise]\nlog_sigma = [1.0]\ncorrelation = 1.0", "it must lie in"),
+    ("[worn]\nmu_a = 0.3\nmu_b = 0.3\ncycles = 9\ncourse = [[5, 0.5], [3, 0.6]]", "course of wear"),
+    ("[posterior]\nparameters = 3\nsamples = [[0.3], [0.3]]", "a list of names"),
+]
+
+
+def test_tables_that_carry_nothing_are_refused_in_one_line(tmp_path):
     path = tmp_path / "found.toml"
-    path.write_text(f"[friction]\nmu_a = 0.3\nmu_b = 0.3\n{text}\n")
-    refused(load_material, path, told=told, kind=DataFileError)
+    for text, told in REFUSED:
+        path.write_text(f"[friction]\nmu_a = 0.3\nmu_b = 0.3\n{text}\n")
+        refused(load_material, path, told=told, kind=DataFileError)
 
 
 def test_a_sample_of_the_posterior_is_a_material_in_si_units_and_leaves_what_it_does_not_name():

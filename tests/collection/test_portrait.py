@@ -67,10 +67,10 @@ def test_portrait_of_a_locked_map(loop_of) -> None:
 
 
 def test_portrait_without_fixed_points_draws_the_cycle_from_zero(loop_of) -> None:
-    found = portrait(loop_of(CircleMap.arnold(0.2, 0.5)), cycles=50)
-    assert found.fixed_points == ()
-    assert found.stable_points == ()
-    assert found.cycle.theta == 0.0
+    reported: list[float] = []
+    found = portrait(loop_of(CircleMap.arnold(0.2, 0.5)), cycles=50, progress=reported.append)
+    assert found.fixed_points == found.stable_points == () and found.cycle.theta == 0.0
+    assert reported == sorted(reported) and reported[-1] == 1.0
 
 
 def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
@@ -80,18 +80,6 @@ def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
     places = [float(orbit.points[0]) for orbit in found.stable_points]
     assert places == [pytest.approx(0.0, abs=1e-9), pytest.approx(np.pi, abs=1e-9)]
     assert found.cycle.theta == places[0]
-
-
-def test_progress_rises_to_one(loop_of) -> None:
-    reported: list[float] = []
-    portrait(loop_of(CircleMap.arnold(0.1, 0.5)), cycles=10, progress=reported.append)
-    assert reported == sorted(reported)
-    assert reported[-1] == 1.0
-
-
-@pytest.mark.parametrize("bad", [{"sigma": 0.0}, {"sigma": -1.0}, {"sigma": np.nan}, {"cycles": 0}])
-def test_nonsense_is_refused(loop_of, bad) -> None:
-    refused(portrait, loop_of(CircleMap.arnold(0.1, 0.5)), **bad)
 
 
 def test_turn_curve_ends_at_the_jump_on_both_sides() -> None:
@@ -109,8 +97,10 @@ def test_turn_curve_ends_at_the_jump_on_both_sides() -> None:
 
 @pytest.mark.slow
 def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) -> None:
+    """Of a map that hops to and fro they stay few; the density drawn is one."""
     circle_map = CircleMap.arnold(0.0, 0.5)
-    web = cobweb(portrait(loop_of(circle_map), cycles=10))
+    found = portrait(loop_of(circle_map), cycles=10)
+    web, curves = cobweb(found), portrait_curves(found)
     assert len(web.paths) == 2
     for path in web.paths:
         assert len(path) >= 7
@@ -118,49 +108,28 @@ def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) ->
         assert np.allclose(circle_map(path[1::2, 0]), path[1::2, 1], atol=1e-13)
         # Both settle at the stable point, here 0.
         assert abs(path[-1, 0]) < 1e-3
-
-
-@pytest.mark.slow
-def test_cobweb_of_a_map_that_hops_to_and_fro_stays_short(loop_of) -> None:
-    flip = CircleMap(lambda theta: theta - 1.999 * np.sin(theta))
-    web = cobweb(portrait(loop_of(flip), cycles=10))
-    assert all(len(path) < 100 for path in web.paths)
-
-
-@pytest.mark.slow
-def test_density_of_the_curves_is_a_density(loop_of) -> None:
-    curves = portrait_curves(portrait(loop_of(CircleMap.arnold(0.05, 0.5)), cycles=10))
     assert np.trapezoid(curves.density, curves.density_theta) == pytest.approx(1.0, abs=1e-6)
+    flip = CircleMap(lambda theta: theta - 1.999 * np.sin(theta))
+    assert all(len(path) < 100 for path in cobweb(portrait(loop_of(flip), cycles=10)).paths)
 
 
 def test_scene_moves_the_outline_rigidly_and_brings_the_ring_home(real_loop) -> None:
-    cycle = real_loop.cycle(0.7)
-    scene = cycle_scene(real_loop, cycle)
+    """Forces push the object along, and the reach holds everything drawn."""
+    scene = cycle_scene(real_loop, real_loop.cycle(0.7))
     for stroke in (scene.push, scene.drag):
         lengths = [np.hypot(*np.diff(outline, axis=0).T) for outline in (stroke.before, stroke.after)]
         assert np.allclose(*lengths, atol=1e-12)
         assert np.array_equal(stroke.before[0], stroke.before[-1])
+        assert len(stroke.force) >= 2
+        assert (stroke.force @ (stroke.rod[-1] - stroke.rod[0]) > 0).all()
+        low, high = stroke.reach
+        for points in (stroke.before, stroke.after, stroke.rod, stroke.centre):
+            assert (points >= low).all() and (points <= high).all()
+    assert scene.strongest_force >= np.hypot(*scene.push.force[0])
     assert np.allclose(scene.push.after, scene.drag.before, atol=1e-9)
     assert np.allclose(scene.push.ring_before, 0.0, atol=1e-12)
     assert np.allclose(scene.drag.ring_after, 0.0, atol=1e-9)
     assert np.allclose(scene.drag.rod[0], scene.push.ring_after, atol=1e-9)
-
-
-def test_scene_shows_forces_that_push_the_object_along(real_loop) -> None:
-    scene = cycle_scene(real_loop, real_loop.cycle(0.7))
-    for stroke in (scene.push, scene.drag):
-        assert len(stroke.force) >= 2
-        travel = stroke.rod[-1] - stroke.rod[0]
-        assert (stroke.force @ travel > 0).all()
-    assert scene.strongest_force >= np.hypot(*scene.push.force[0])
-
-
-def test_reach_holds_everything_drawn(real_loop) -> None:
-    stroke = cycle_scene(real_loop, real_loop.cycle(0.7)).push
-    low, high = stroke.reach
-    for points in (stroke.before, stroke.after, stroke.rod, stroke.centre):
-        assert (points >= low).all()
-        assert (points <= high).all()
 
 
 def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop_of) -> None:
@@ -172,22 +141,16 @@ def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop
 
 @pytest.mark.slow
 def test_long_residences_grow_as_one_over_the_noise_squared(loop_of) -> None:
-    """Freidlin and Wentzell: σ² ln T tends to a constant of the map, however long T."""
-    stuck = loop_of(CircleMap.arnold(0.1, 0.9))
-    wide, narrow = (staircase_forecast(stuck, sigma=sigma, cycles=10) for sigma in (0.056, 0.028))
+    """Freidlin and Wentzell: σ² ln T tends to a constant of the map, however long T; whole turns move no direction."""
+    wide, narrow, turning = (
+        staircase_forecast(loop_of(CircleMap.arnold(omega, 0.9)), sigma=sigma, cycles=10)
+        for omega, sigma in ((0.1, 0.056), (0.1, 0.028), (1.1, 0.028))
+    )
     assert narrow.prediction.mean_residence_cycles == math.inf
     assert narrow.log10_residences[0] > 300.0
     assert narrow.log10_residences[0] / wide.log10_residences[0] == pytest.approx(4.0, rel=0.03)
-
-
-@pytest.mark.slow
-def test_zones_that_make_whole_turns_have_the_residence_of_those_that_make_none(loop_of) -> None:
-    """A whole turn more a cycle moves no direction: residences depend on the map of the circle alone."""
-    still, turning = (
-        staircase_forecast(loop_of(CircleMap.arnold(omega, 0.9)), sigma=0.028, cycles=10) for omega in (0.1, 1.1)
-    )
     assert turning.prediction.zones[0].winding == 1
-    assert turning.log10_residences[0] == pytest.approx(float(still.log10_residences[0]), rel=1e-9)
+    assert turning.log10_residences[0] == pytest.approx(float(narrow.log10_residences[0]), rel=1e-9)
 
 
 def test_the_steps_of_a_run_past_a_ghost_are_whole_turns_of_the_predicted_length(loop_of) -> None:
@@ -207,5 +170,9 @@ def test_plywood_of_the_paper_climbs_in_whole_turns_but_hardly_ever(real_loop) -
     assert found.steps.count == 0
 
 
-def test_a_run_without_noise_is_refused(loop_of) -> None:
-    refused(staircase_forecast, loop_of(CircleMap.arnold(0.1, 0.9)), sigma=0.0, told="sigma")
+def test_nonsense_is_refused(loop_of) -> None:
+    loop = loop_of(CircleMap.arnold(0.1, 0.5))
+    for sigma in (0.0, -1.0, np.nan):
+        refused(portrait, loop, sigma=sigma, told="sigma")
+    refused(portrait, loop, cycles=0, told="cycles")
+    refused(staircase_forecast, loop, sigma=0.0, told="sigma")

@@ -9,10 +9,10 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
 from cyclemap.mechanics import EllipseFriction, Material, Pose
-from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views.probe_page import probe_page, probe_sentences
 from cyclemap.views.style import render
 
@@ -66,7 +66,7 @@ def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on
 def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_the_objects_frame() -> None:
     """The mechanics as a simulator: the rod where a robot's schedule has it, the poses as a simulator's, wrapped."""
     plywood = CollectionLoop.mit("plywood", accuracy=1e-6)
-    (x, y), way = rod_start(plywood, plywood.push)
+    (x, y), way = first_contact(plywood.slider, plywood.push, plywood.pusher.radius)
 
     def end_pose(theta: float, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float, float]:
         assert start == pytest.approx(Pose(theta=theta).to_world(x, y))

@@ -20,7 +20,7 @@ Reader = Callable[[Path], object]
 def readers() -> dict[str, tuple[Reader, ...]]:
     """Who reads a file, by its kind: the name of its sample."""
     from cyclemap.cli.run_figures import _read_index
-    from cyclemap.collection.collection_file import read_collection
+    from cyclemap.collection import CollectionLoop
     from cyclemap.collection.outline_files import read_outline
     from cyclemap.evidence import load_pushes, read_theta0_pairs
     from cyclemap.evidence.data_blocks.block_builders import recognise
@@ -45,7 +45,7 @@ def readers() -> dict[str, tuple[Reader, ...]]:
         "protocol.toml": (read_protocol,),
         "sweep.sqlite": (load_sweep,),
         "figures.json": (_read_index,),
-        "collection.toml": (read_collection,),
+        "collection.toml": (CollectionLoop.from_file,),
         **{f"log{end}": (read_own_table,) for end in (".tsv", ".xlsx", ".parquet", ".db3", ".mcap", ".bag")},
         **{f"tee{end}": (read_outline,) for end in (".svg", ".dxf", ".stl", ".urdf", ".csv")},
     }

@@ -25,7 +25,7 @@ def test_the_error_of_the_turn_is_of_second_order_and_that_of_the_direction_of_f
 
 
 def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_inside(result) -> None:
-    found = result.prediction.fingerprint
+    found = result.prediction.fingerprint.cycle
     expected = [[found.turn / found.offset_amplitude, 0.0], [0.0, found.turn / found.ellipse_amplitude]]
     assert result.predicted_edge == pytest.approx(np.array(expected), abs=1e-12)
     shares = np.linalg.norm(result.full_edge, axis=1) / np.linalg.norm(result.predicted_edge, axis=1)

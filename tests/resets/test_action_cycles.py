@@ -48,6 +48,8 @@ def test_contact_is_as_long_as_the_rod_pushes() -> None:
     travels = [LOOP.cycle(theta).push.travel for theta in 2.0 * math.pi * np.arange(12) / 12]
     assert own == pytest.approx(min(travels), abs=1e-5)
     assert slanted < 0.08 < 0.12 < own < 0.15
+    # 20 mm/s in contact, 10 s for all else, 10 s more for a gripper.
+    assert seconds(np.array([0.2, 0.3, 0.2]), np.array([0.0, 0.0, 0.5])).tolist() == [20.0, 25.0, 25.0]
 
 
 def test_the_room_holds_rod_and_object_all_along() -> None:
@@ -57,8 +59,3 @@ def test_the_room_holds_rod_and_object_all_along() -> None:
         assert np.hypot(*course.pusher.T).max() + LOOP.pusher.radius <= room + 1e-9
     far = room_needed(LOOP, legs(0.3, 4)[0])
     assert far >= 0.3 + LOOP.pusher.radius
-
-
-def test_the_time_of_cycles_is_that_of_the_robot() -> None:
-    """20 mm/s in contact, 10 s for all else, 10 s more for a gripper."""
-    assert seconds(np.array([0.2, 0.3, 0.2]), np.array([0.0, 0.0, 0.5])).tolist() == [20.0, 25.0, 25.0]

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
 from cyclemap.resets.monitor.coverage import CELLS, Coverage, Crowding, next_action
@@ -62,9 +62,10 @@ def test_the_least_covered_direction_is_the_least_visited_one_where_all_are_visi
 
 
 def test_one_push_covers_its_reach_and_leaves_the_rest_as_a_gap() -> None:
-    state = covering([1.0]).state()
+    state, nothing = covering([1.0]).state(), Coverage().state()
+    assert (nothing.covered, nothing.effective_pushes, nothing.gain) == (0.0, 0.0, 1.0)
     assert state.covered == pytest.approx(10.0 / 360.0, abs=1.0 / CELLS)
-    assert state.largest_gap == pytest.approx(2 * np.pi)
+    assert state.largest_gap == nothing.largest_gap == pytest.approx(2 * np.pi)
     assert state.gap_centre == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
     assert state.least_covered == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
 
@@ -77,33 +78,19 @@ def test_whole_turns_make_no_difference() -> None:
     assert plain.largest_gap == pytest.approx(turned.largest_gap, abs=np.radians(1.1))
 
 
-def test_nothing_recorded_is_nothing_covered() -> None:
-    state = Coverage().state()
-    assert (state.covered, state.effective_pushes, state.gain) == (0.0, 0.0, 1.0)
-    assert state.largest_gap == pytest.approx(2 * np.pi)
-
-
 def test_crowding_is_the_density_of_the_recorded_directions_over_its_mean() -> None:
-    """One direction: the wrapped Cauchy density of the reach, whose mean over the circle is one."""
-    crowding, theta = Crowding(), np.radians(np.arange(0.0, 360.0, 7.0))
+    """One direction: the wrapped Cauchy density of the reach, whose mean over the circle is one.
+
+    Collections side by side do not know of each other.
+    """
+    theta, starts = np.radians(np.arange(0.0, 360.0, 7.0)), np.array([1.0, 3.0, 5.0])
+    crowding = Crowding(3)
     assert np.all(crowding.at(theta[:, None]) == 0.0)
-    crowding.add(np.array([1.0]))
+    crowding.add(starts)
     decay = math.exp(-math.radians(5.0))
-    density = (1 - decay**2) / (1 + decay**2 - 2 * decay * np.cos(theta - 1.0))
-    assert crowding.at(theta[:, None])[:, 0] == pytest.approx(density, rel=0.15)
-    assert crowding.crowding.mean() == pytest.approx(1.0, rel=0.01)
-
-
-def test_collections_side_by_side_do_not_know_of_each_other() -> None:
-    paths = np.random.default_rng(4).uniform(0, 2 * np.pi, (3, 20))
-    together = Crowding(3)
-    for column in paths.T:
-        together.add(column)
-    for row, path in enumerate(paths):
-        alone = Crowding()
-        for angle in path:
-            alone.add(np.array([angle]))
-        assert together.crowding[row] == pytest.approx(alone.crowding[0])
+    density = (1 - decay**2) / (1 + decay**2 - 2 * decay * np.cos(theta[:, None] - starts))
+    assert crowding.at(theta[:, None]) == pytest.approx(density, rel=0.15)
+    assert crowding.crowding.mean(axis=1) == pytest.approx(1.0, rel=0.01)
 
 
 def test_the_next_action_is_the_one_that_lands_where_least_is_recorded() -> None:
@@ -114,5 +101,4 @@ def test_the_next_action_is_the_one_that_lands_where_least_is_recorded() -> None
     assert chosen.crowding == pytest.approx(float(coverage.crowding.at(np.array([[1.0 + np.pi]]))[0, 0]))
     assert next_action(maps, Coverage(), 1.0).number == 0
     for bad, maps_given in ((math.nan, maps), (1.0, [])):
-        with pytest.raises(InvalidInput):
-            next_action(maps_given, coverage, bad)
+        refused(next_action, maps_given, coverage, bad)

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import cyclemap as cm
-from cyclemap.errors import InvalidInput
 from cyclemap.resets import CycleAction, ResetStrategy, orientation_law, sampled_orientations
 from cyclemap.resets.design.orientation_law import slowest_factor
 
@@ -83,5 +83,4 @@ def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show(
 
 def test_blocks_too_long_to_average_over_are_refused() -> None:
     many = ResetStrategy(tuple(CycleAction(turn=float(k)) for k in range(12)), order="shuffled")
-    with pytest.raises(InvalidInput, match="passes through 4096 sets of actions"):
-        orientation_law(np.zeros((12, 96)), many, 0.1)
+    refused(orientation_law, np.zeros((12, 96)), many, 0.1, told="passes through 4096 sets of actions")

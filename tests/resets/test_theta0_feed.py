@@ -6,6 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import read_theta0_pairs
@@ -23,18 +24,23 @@ def append(file, text: str) -> None:
 
 
 def test_rows_are_given_once_as_they_come_and_a_half_written_one_when_it_is_whole(tmp_path) -> None:
+    """A bad one is named by its line, however late it comes."""
     file = tmp_path / "growing.csv"
     file.write_text("theta0")
     feed = theta0_feed(file)
     assert degrees(feed.look()) == []
-    append(file, "_deg\n10.5\n\n37")
-    assert degrees(feed.look()) == [10.5]
-    append(file, "0.25\r\n-5\r\n")
-    assert degrees(feed.look()) == [370.25, -5.0]
-    assert degrees(feed.look()) == []
-    append(file, "7")
-    assert degrees(feed.look()) == []
-    assert degrees(feed.look(finished=True)) == [7.0]
+    for text, rows in (
+        ("_deg\n10.5\n\n37", [10.5]),
+        ("0.25\r\n-5\r\n", [370.25, -5.0]),
+        ("", []),
+        ("7", []),
+    ):
+        append(file, text)
+        assert degrees(feed.look()) == rows
+    late = theta0_feed(file)
+    assert len(late.look().theta) == 3 and degrees(feed.look(finished=True)) == [7.0]
+    append(file, "\n3\n4,5\n")
+    refused(late.look, told="line 8: 2 of 1 fields", kind=DataFileError)
 
 
 def test_a_file_in_pieces_of_any_size_gives_what_the_whole_file_gives(tmp_path) -> None:
@@ -110,25 +116,23 @@ def test_a_file_that_is_empty_for_a_while_is_what_was_read_until_new_rows_come(t
     file.write_text("")
     assert feed.look() == NewOrientations(())
     file.write_text(written(ROWS[:1]))
-    found = feed.look()
-    assert found.began_anew and degrees(found) == [10.125]
+    assert feed.look() == NewOrientations((np.radians(10.125),), began_anew=True)
     append(file, "20.25\n")
     assert feed.look() == NewOrientations((np.radians(20.25),))
 
 
 def test_a_pipe_and_a_file_without_end_are_refused(tmp_path, monkeypatch) -> None:
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(DataFileError, match=r"pipe\.csv: not a regular file"):
-        theta0_feed(tmp_path / "pipe.csv").look()
+    refused(theta0_feed(tmp_path / "pipe.csv").look, told=r"pipe\.csv: not a regular file", kind=DataFileError)
     monkeypatch.setattr(module, "MOST_BYTES", 100)
     (tmp_path / "long.csv").write_text(written(ROWS * 5))
-    with pytest.raises(DataFileError, match=r"long\.csv: over 0 MB more at one look"):
-        theta0_feed(tmp_path / "long.csv").look()
+    refused(theta0_feed(tmp_path / "long.csv").look, told=r"long\.csv: over 0 MB more at one look", kind=DataFileError)
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
+def test_bad_rows_are_named_with_line_and_value(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    refused(theta0_feed(file).look, told="there is no such file", kind=DataFileError)
+    for content, told in (
         ("theta0_deg\n1\nabc\n", r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number"),
         ("theta0_deg\n1\n\nnan\n", r"line 4: theta0_deg is 'nan'"),
         ("theta0_deg,flag\n1,\n2\n", r"line 3: 1 of 2 fields \('2'\)"),
@@ -139,32 +143,11 @@ def test_a_pipe_and_a_file_without_end_are_refused(tmp_path, monkeypatch) -> Non
         ("theta0_accum_deg\n-6e10\n", r"line 2: theta0_accum_deg is '-6e10'; at such a size"),
         ("theta0_deg\n", "no row of θ0"),
         ("", "no row of θ0"),
-    ],
-)
-def test_bad_rows_are_named_with_line_and_value(tmp_path, content, message) -> None:
-    file = tmp_path / "data.csv"
-    file.write_text(content)
-    with pytest.raises(DataFileError, match=message):
-        theta0_feed(file).look(finished=True)
-
-
-def test_a_bad_row_is_named_by_its_line_however_late_it_comes(tmp_path) -> None:
-    file = tmp_path / "data.csv"
-    file.write_text("theta0_deg\n1\n2\n")
-    feed = theta0_feed(file)
-    feed.look()
-    append(file, "3\n4,5\n")
-    with pytest.raises(DataFileError, match="line 5: 2 of 1 fields"):
-        feed.look()
-
-
-def test_files_that_are_no_text_or_not_there_are_refused(tmp_path) -> None:
-    file = tmp_path / "data.csv"
-    with pytest.raises(DataFileError, match="there is no such file"):
-        theta0_feed(file).look()
+    ):
+        file.write_text(content)
+        refused(theta0_feed(file).look, finished=True, told=told, kind=DataFileError)
     file.write_bytes(b"theta0_deg\n1\n\xff\n")
-    with pytest.raises(DataFileError, match="line 3: byte 0 is not UTF-8 text"):
-        theta0_feed(file).look()
+    refused(theta0_feed(file).look, told="line 3: byte 0 is not UTF-8 text", kind=DataFileError)
 
 
 def push_text(theta: float) -> str:
@@ -189,19 +172,24 @@ def test_a_folder_gives_its_pushes_in_order_and_waits_for_one_half_written(tmp_p
     assert feed.look().theta == pytest.approx((1.1, 1.2))
     push_file(tmp_path, 13).write_text("{")
     feed.look()
-    with pytest.raises(DataFileError, match=r"rep=0013\.json: not JSON, or cut short"):
-        feed.look()
+    refused(feed.look, told=r"rep=0013\.json: not JSON, or cut short", kind=DataFileError)
+    push_file(tmp_path, 13).write_text(push_text(2e9))
+    lost = r"rep=0013\.json: .* is 2e[+]09; it must be a number within"
+    refused(feed.look, finished=True, told=lost, kind=DataFileError)
 
 
 def test_an_empty_folder_is_no_collection(tmp_path) -> None:
-    feed = theta0_feed(tmp_path)
+    folder = tmp_path / "pushes"
+    folder.mkdir()
+    feed = theta0_feed(folder)
     assert feed.look().theta == ()
-    with pytest.raises(DataFileError, match="holds no recorded push"):
-        feed.look(finished=True)
-    (tmp_path / "plywood").mkdir()
-    (tmp_path / "plywood" / "push.h5").touch()
-    with pytest.raises(DataFileError, match=r"there are some in .*plywood: give that"):
-        feed.look(finished=True)
+    refused(feed.look, finished=True, told="holds no recorded push", kind=DataFileError)
+    (folder / "plywood").mkdir()
+    (folder / "plywood" / "push.h5").touch()
+    refused(feed.look, finished=True, told=r"there are some in .*plywood: give that", kind=DataFileError)
+    shutil.rmtree(folder)
+    folder.write_text("")
+    refused(feed.look, told=r"pushes: cannot be read \(Not a directory\)", kind=DataFileError)
 
 
 def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(tmp_path) -> None:
@@ -213,24 +201,13 @@ def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_push
     shutil.rmtree(folder)
     for _ in range(2):
         assert feed.look() == NewOrientations(())
-    with pytest.raises(DataFileError, match="pushes: there is no such folder; check the path"):
-        feed.look(finished=True)
+    refused(feed.look, finished=True, told="pushes: there is no such folder; check the path", kind=DataFileError)
     folder.mkdir()
     assert feed.look() == NewOrientations(())
     push_file(folder, 1).write_text(push_text(0.3))
     found = feed.look()
     assert found.began_anew and found.theta == pytest.approx((0.3,))
     assert feed.look() == NewOrientations(())
-
-
-def test_a_folder_that_became_a_file_is_said_to_be_unreadable(tmp_path) -> None:
-    folder = tmp_path / "pushes"
-    folder.mkdir()
-    feed = theta0_feed(folder)
-    folder.rmdir()
-    folder.write_text("")
-    with pytest.raises(DataFileError, match=r"pushes: cannot be read \(Not a directory\)"):
-        feed.look()
 
 
 def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(tmp_path) -> None:
@@ -242,8 +219,7 @@ def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(tmp
     link.symlink_to(tmp_path / "elsewhere" / "push.json")
     feed = theta0_feed(tmp_path)
     assert feed.look().theta == pytest.approx((0.1,))
-    with pytest.raises(DataFileError, match=r"link\.json: a link to a file that is not there"):
-        feed.look(finished=True)
+    refused(feed.look, finished=True, told=r"link\.json: a link to a file that is not there", kind=DataFileError)
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "push.json").write_text(push_text(0.7))
     assert feed.look(finished=True).theta == pytest.approx((0.7,))
@@ -266,14 +242,7 @@ def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(tm
     assert [feed.look().theta, feed.look().theta] == [(), ()]
     file.write_text(push_text(0.1))
     monkeypatch.setattr(module, "read_push_file", failing)
-    with pytest.raises(DataFileError, match=r"rep=0001\.json: cannot be read \(Input/output error\)"):
-        feed.look(finished=True)
-
-
-def test_a_push_whose_orientation_has_lost_its_fraction_of_a_turn_is_refused(tmp_path) -> None:
-    push_file(tmp_path, 1).write_text(push_text(2e9))
-    with pytest.raises(DataFileError, match=r"rep=0001\.json: .* is 2e[+]09; it must be a number within"):
-        theta0_feed(tmp_path).look(finished=True)
+    refused(feed.look, finished=True, told=r"rep=0001\.json: cannot be read \(Input/output error\)", kind=DataFileError)
 
 
 def test_a_table_of_ones_own_is_followed_row_by_row(tmp_path) -> None:
@@ -294,20 +263,14 @@ def test_a_table_of_ones_own_is_followed_row_by_row(tmp_path) -> None:
     assert found.began_anew and degrees(found) == [12.5, 18.0, 20.0]
     file.unlink()
     assert feed.look() == NewOrientations(())
-    with pytest.raises(DataFileError, match="no such file"):
-        feed.look(finished=True)
+    refused(feed.look, finished=True, told="no such file", kind=DataFileError)
 
 
-@pytest.mark.parametrize(
-    ("name", "content", "message"),
-    [
+def test_what_rows_to_come_would_read_otherwise_is_not_followed(tmp_path) -> None:
+    for name, content, told in (
         ("small.csv", "yaw\n0.5\n1.0\n", "later rows may tell another unit of yaw: say it, --units deg or rad"),
-        ("stream.csv", "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n", "a stream of poses is cut into pushes once it is whole"),
+        ("stream.csv", "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n", "stream of poses is cut into pushes once it is whole"),
         ("log.xlsx", "no\nmatter\n", "only a CSV file is read while it grows"),
-    ],
-)
-def test_what_rows_to_come_would_read_otherwise_is_not_followed(tmp_path, name, content, message) -> None:
-    file = tmp_path / name
-    file.write_text(content)
-    with pytest.raises(DataFileError, match=message):
-        theta0_feed(file).look()
+    ):
+        (tmp_path / name).write_text(content)
+        refused(theta0_feed(tmp_path / name).look, told=told, kind=DataFileError)

@@ -41,22 +41,16 @@ def test_a_rigid_rotation_gives_no_evidence_at_all() -> None:
     assert evidence_of(np.full(500, 1.0)).log_evidence == pytest.approx(0.0, abs=1e-9)
 
 
-def test_independent_biased_directions_give_evidence_and_their_direction() -> None:
-    random = np.random.default_rng(1)
-    for centre in (0.5, 3.0):
-        found = evidence_of(random.vonmises(centre, 0.8, 800))
+def test_independent_biased_directions_and_a_slow_zone_give_evidence_and_their_direction() -> None:
+    random = np.random.default_rng(2)
+    paths = [(centre, random.vonmises(centre, 0.8, 800)) for centre in (0.5, 3.0)]
+    slow = [0.0]
+    for _ in range(900):
+        slow.append(slow[-1] + np.radians(9.0 - 4.0 * np.cos(slow[-1]) + 1.1 * random.standard_normal()))
+    for centre, path in (*paths, (0.0, slow[1:])):
+        found = evidence_of(path)
         assert found.log_evidence > 10.0
         assert abs((found.peak() - centre + np.pi) % (2 * np.pi) - np.pi) < np.radians(25.0)
-
-
-def test_a_slow_zone_that_is_no_rest_gives_evidence() -> None:
-    random = np.random.default_rng(2)
-    theta, path = 0.0, []
-    for _ in range(900):
-        theta += np.radians(9.0 - 4.0 * np.cos(theta) + 1.1 * random.standard_normal())
-        path.append(theta)
-    assert evidence_of(path).log_evidence > 10.0
-    assert abs((evidence_of(path).peak() + np.pi) % (2 * np.pi) - np.pi) < np.radians(15.0)
 
 
 def test_evidence_knows_neither_the_origin_nor_whole_turns_and_repeats_with_its_seed() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.errors import UnsupportedContact
-from cyclemap.sweeps import PointOutcome, SweepPlan
+from cyclemap.sweeps import PointOutcome, SweepPlan, SweepStore, load_sweep, run_sweep
 from cyclemap.sweeps.portrait_numbers import GROUPS
 
 
@@ -74,6 +74,18 @@ def fake_plan(rows=5, columns=4, **options):
     """A grid of fake points: mu_a from 0.2 to 0.3 by hitch_x_mm from -20 to 0."""
     over = {"mu_a": np.linspace(0.2, 0.3, rows).tolist(), "hitch_x_mm": np.linspace(-20.0, 0.0, columns).tolist()}
     return SweepPlan.grid("plywood", over, numbers=FakeNumbers(**options))
+
+
+def swept(path, plan):
+    """What a sweep of the plan in this process found, stored at `path`."""
+    run_sweep(plan, path, workers=1)
+    return load_sweep(path)
+
+
+def opened(path):
+    """How many points the plan of a store has, as told by the store, which is made where there is none."""
+    with SweepStore(path, fake_plan()) as store:
+        return store.status().points
 
 
 def logged(path):

@@ -1,7 +1,5 @@
 """A swept point has the portrait's own numbers, to the last bit; what has no loop or no number says so."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -76,20 +74,16 @@ def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
     assert gaps == pytest.approx(1.0 - np.exp(-0.5 * np.radians([10.0, 20.0, 40.0]) ** 2), abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("over", "message"),
-    [
+def test_a_loop_that_cannot_be_is_a_stated_refusal() -> None:
+    for over, told in (
         ({"fraction": (0.5, 1.5)}, "contact fraction 1.5"),
         ({"push_mm": (150.0, -1.0)}, "push distance"),
         ({"mu_b": (0.2, 0.0)}, "mu_b"),
         ({"rim_share": (0.0, 7.0)}, "rim"),
-    ],
-)
-def test_a_loop_that_cannot_be_is_a_stated_refusal(over, message) -> None:
-    plan = SweepPlan.grid("plywood", over)
-    found = plan.numbers(plan.point(1))
-    assert found.values == {}
-    assert message in found.refusal
+    ):
+        plan = SweepPlan.grid("plywood", over)
+        found = plan.numbers(plan.point(1))
+        assert found.values == {} and told in found.refusal
 
 
 def test_a_group_that_cannot_be_found_leaves_the_others(monkeypatch) -> None:
@@ -141,26 +135,17 @@ SOURCES = ("mechanics/push.py", "mechanics/engine/steps.c", "maps/lifts/lift.py"
 OTHERS = ("mechanics/push.pyc", "mechanics/notes.txt", "views/page.py", "sweeps/sweep_store.py")
 
 
-@pytest.fixture
-def package(tmp_path, monkeypatch) -> Path:
-    """A package of a few files."""
-    for name in (*SOURCES, *OTHERS, "sweeps/portrait_numbers.py"):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(name)
-    monkeypatch.setattr(module, "PACKAGE", tmp_path)
-    return tmp_path
-
-
-@pytest.mark.parametrize("name", [*SOURCES, *OTHERS, "sweeps/portrait_numbers.py"])
-def test_an_edit_of_a_source_is_another_version_and_of_anything_else_is_not(package, name) -> None:
-    digest = module.code_version.__wrapped__
-    before = digest()
-    (package / name).write_text("changed")
-    assert (digest() == before) == (name in OTHERS)
-    (package / name).write_text(name)
-    assert digest() == before
-
-
-def test_the_engine_that_runs_the_strokes_is_among_the_sources() -> None:
+def test_an_edit_of_a_source_is_another_version_and_of_anything_else_is_not(tmp_path, monkeypatch) -> None:
+    """In a package of a few files; the engine that runs the strokes is among the sources of the real one."""
     assert {path.suffix for path in (module.PACKAGE / "mechanics").rglob("*.c")} == {".c"}
+    names, digest = (*SOURCES, *OTHERS, "sweeps/portrait_numbers.py"), module.code_version.__wrapped__
+    for name in names:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(name)
+    monkeypatch.setattr(module, "PACKAGE", tmp_path)
+    before = digest()
+    for name in names:
+        (tmp_path / name).write_text("changed")
+        assert (digest() == before) == (name in OTHERS), name
+        (tmp_path / name).write_text(name)
+        assert digest() == before

@@ -2,25 +2,14 @@
 
 import numpy as np
 import pytest
-from fake_numbers import FakeNumbers, fake_plan, fake_values
+from fake_numbers import FakeNumbers, fake_plan, fake_values, swept
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
-from cyclemap.sweeps import SweepPlan, SweptLines, SweptPlane, SweptScatter, load_sweep, run_sweep, sweep_curves
-
-
-@pytest.fixture
-def swept(tmp_path):
-    """Run a plan, and read it."""
-
-    def sweep(plan):
-        run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
-        return load_sweep(tmp_path / "sweep.sqlite")
-
-    return sweep
+from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptLines, SweptPlane, SweptScatter, sweep_curves
 
 
-def test_a_plane_has_the_rotation_numbers_the_counts_and_the_refusals(swept) -> None:
-    sweep = swept(fake_plan(refused_above=0.28))
+def test_a_plane_has_the_rotation_numbers_the_counts_and_the_refusals(tmp_path) -> None:
+    sweep = swept(tmp_path / "sweep.sqlite", fake_plan(refused_above=0.28))
     curves = sweep_curves(sweep)
     assert isinstance(curves, SweptPlane)
     assert [quantity.name for quantity, _ in curves.planes] == ["rotation", "stable_points"]
@@ -29,20 +18,23 @@ def test_a_plane_has_the_rotation_numbers_the_counts_and_the_refusals(swept) -> 
     assert curves.refused.tolist() == [[False] * 4] * 4 + [[True] * 4]
 
 
-def test_angles_are_drawn_in_degrees(swept) -> None:
+def test_angles_are_drawn_in_degrees(tmp_path) -> None:
     """The fake numbers have no turns; a real map of isotropic friction turns by its rotation number each cycle."""
-    from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-
     over = {"hitch_x_mm": (-10.607,), "hitch_y_mm": (10.607,)}
     numbers = PortraitNumbers(("rotation", "turns"), tolerance=1e-3)
-    curves = sweep_curves(swept(SweepPlan.grid("isotropic", over, numbers=numbers)), ("mean_turn", "rotation"))
+    curves = sweep_curves(
+        swept(tmp_path / "sweep.sqlite", SweepPlan.grid("isotropic", over, numbers=numbers)), ("mean_turn", "rotation")
+    )
     turn, rotation = (float(values[0, 0]) for _, values in curves.planes)
     assert turn == pytest.approx(74.52037 - 66.51814, abs=0.06)
     assert 360.0 * rotation == pytest.approx(turn, abs=0.06)
 
 
-def test_lines_run_along_the_key_with_every_fixed_point(swept) -> None:
-    sweep = swept(SweepPlan.grid("plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers()))
+def test_lines_run_along_the_key_with_every_fixed_point(tmp_path) -> None:
+    sweep = swept(
+        tmp_path / "sweep.sqlite",
+        SweepPlan.grid("plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers()),
+    )
     curves = sweep_curves(sweep)
     assert isinstance(curves, SweptLines)
     assert curves.parameter.tolist() == curves.rotation_at.tolist() == [-12.0, -8.0, -4.0, 0.0]
@@ -54,24 +46,25 @@ def test_lines_run_along_the_key_with_every_fixed_point(swept) -> None:
 
 
 @pytest.mark.slow
-def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(swept, tmp_path) -> None:
+def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(tmp_path) -> None:
     ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    curves = sweep_curves(swept(SweepPlan.sample("plywood", ranges, 32, numbers=FakeNumbers(refused_above=0.25))))
+    curves = sweep_curves(
+        swept(
+            tmp_path / "sweep.sqlite", SweepPlan.sample("plywood", ranges, 32, numbers=FakeNumbers(refused_above=0.25))
+        )
+    )
     assert isinstance(curves, SweptScatter)
     assert curves.refused.sum() == 16
-    (tmp_path / "sweep.sqlite").unlink()
-    one = sweep_curves(swept(SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3)}, 32, numbers=FakeNumbers())))
+    one = sweep_curves(
+        swept(tmp_path / "one.sqlite", SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3)}, 32, numbers=FakeNumbers()))
+    )
     assert isinstance(one, SweptLines) and np.all(np.diff(one.parameter) > 0.0)
 
 
-def test_what_cannot_be_drawn_is_refused(swept) -> None:
+def test_what_cannot_be_drawn_is_refused(tmp_path) -> None:
     over = {"mu_a": (0.2, 0.3), "mu_b": (0.2, 0.3), "hitch_x_mm": (-8.0, 0.0)}
-    sweep = swept(SweepPlan.grid("plywood", over, numbers=FakeNumbers()))
-    with pytest.raises(InvalidInput, match="3 keys are swept"):
-        sweep_curves(sweep)
-    with pytest.raises(InvalidInput, match="fixed_point_theta is a list"):
-        sweep_curves(sweep.select(mu_b=0.2), ("fixed_point_theta",))
-    with pytest.raises(InvalidInput, match="unknown quantity of this sweep 'tv'"):
-        sweep_curves(sweep.select(mu_b=0.2), ("tv",))
-    with pytest.raises(InvalidInput, match="nothing to draw"):
-        sweep_curves(sweep.where(np.zeros(8, dtype=bool)))
+    sweep = swept(tmp_path / "sweep.sqlite", SweepPlan.grid("plywood", over, numbers=FakeNumbers()))
+    refused(sweep_curves, sweep, told="3 keys are swept")
+    refused(sweep_curves, sweep.select(mu_b=0.2), ("fixed_point_theta",), told="fixed_point_theta is a list")
+    refused(sweep_curves, sweep.select(mu_b=0.2), ("tv",), told="unknown quantity of this sweep 'tv'")
+    refused(sweep_curves, sweep.where(np.zeros(8, dtype=bool)), told="nothing to draw")

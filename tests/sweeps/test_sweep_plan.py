@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_numbers import FakeNumbers, fake_plan
+from refusals import refused
 
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import load_material
 from cyclemap.sweeps import Grid, PortraitNumbers, SweepPlan
 from cyclemap.sweeps.portrait_numbers import code_version
@@ -15,19 +15,15 @@ OVER = {"mu_a": (0.2, 0.3)}
 
 
 def test_points_carry_what_is_set_and_what_is_swept() -> None:
-    plan = SweepPlan.grid("plywood", OVER, {"hitch_x_mm": -9.0})
+    """The same plan, whether values are Python's or NumPy's, whole or not."""
+    plan = SweepPlan.grid("plywood", OVER, {"side": 1, "push_mm": 100})
     point = plan.point(1)
     assert (point.number, dict(point.swept)) == (1, {"mu_a": 0.3})
-    assert dict(point.settings) == {"hitch_x_mm": -9.0, "mu_a": 0.3}
+    assert dict(point.settings) == {"side": 1.0, "push_mm": 100.0, "mu_a": 0.3}
     assert point.material == load_material("plywood")
-
-
-def test_numbers_of_numpy_are_numbers() -> None:
-    """The same plan, whether values are Python's or NumPy's, whole or not."""
-    plain = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3)}, {"side": 1, "push_mm": 100})
     arrays = SweepPlan.grid("plywood", {"mu_a": np.array([0.2, 0.3])}, {"side": np.int64(1), "push_mm": 100.0})
-    assert arrays.described() == plain.described()
-    assert arrays.point(1).digest == plain.point(1).digest
+    assert arrays.described() == plan.described()
+    assert arrays.point(1).digest == point.digest
 
 
 def test_every_point_has_its_own_digest_and_the_same_in_another_plan() -> None:
@@ -38,9 +34,9 @@ def test_every_point_has_its_own_digest_and_the_same_in_another_plan() -> None:
     assert turned.point(0).digest == digests[0] and turned.point(1).digest == digests[4]
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
+def test_a_digest_tells_apart_all_that_numbers_depend_on() -> None:
+    """The version of the code, too."""
+    for other in (
         SweepPlan.grid("abs", OVER),
         SweepPlan.grid("plywood", OVER, {"mu_b": 0.2}),
         SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(tolerance=1e-6)),
@@ -48,21 +44,15 @@ def test_every_point_has_its_own_digest_and_the_same_in_another_plan() -> None:
         SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(rotation_tolerance=1e-3)),
         SweepPlan.grid(replace(load_material("plywood"), misfit="other"), OVER),
         SweepPlan.grid("plywood", OVER, numbers=FakeNumbers()),
-    ],
-)
-def test_a_digest_tells_apart_all_that_numbers_depend_on(other) -> None:
-    assert other.point(0).digest != SweepPlan.grid("plywood", OVER).point(0).digest
-
-
-def test_a_digest_tells_apart_versions_of_the_code() -> None:
+    ):
+        assert other.point(0).digest != SweepPlan.grid("plywood", OVER).point(0).digest
     one, other = fake_plan(version="1").point(0), fake_plan(version="2").point(0)
     assert one.digest != other.digest
     assert PortraitNumbers().version == code_version()
 
 
-@pytest.mark.parametrize(
-    ("material", "over", "settings", "message"),
-    [
+def test_a_bad_plan_is_refused_before_anything_runs() -> None:
+    for material, over, settings, told in (
         ("plywood", {"mu_c": (1.0,)}, {}, "unknown key to sweep 'mu_c'"),
         ("plywood", OVER, {"mu_c": 1.0}, "unknown key to sweep 'mu_c'"),
         ("plywood", OVER, {"mu_a": 0.2}, "mu_a is both set and swept"),
@@ -74,28 +64,26 @@ def test_a_digest_tells_apart_versions_of_the_code() -> None:
         ("plywood", OVER, {"material": "abs"}, "material is no setting"),
         ("plywood", OVER, {"push_mm": -150.0}, "push distance must be positive"),
         ("plywood", OVER, {"noise_deg": -1.0}, "noise_deg must be positive"),
-    ],
-)
-def test_a_bad_plan_is_refused_before_anything_runs(material, over, settings, message) -> None:
-    with pytest.raises(InvalidInput, match=message):
-        SweepPlan.grid(material, over, settings)
-
-
-def test_settings_that_only_some_points_mend_are_no_bad_plan() -> None:
-    """Half an ellipse is no loop, but the swept key may bring the other half."""
-    plan = SweepPlan.grid("plywood", {"semi_y_mm": (30.0, 40.0)}, {"semi_x_mm": 50.0})
-    assert len(plan) == 2
+        ("abs", [1], {}, "over must tell the values"),
+        ("abs", "mu_a", {}, "over must tell the values"),
+        ("abs", {"mu_a": 0.2}, {}, "mu_a is .*as a list"),
+        ("abs", {"shape": "rect1"}, {}, "shape is .*as a list"),
+    ):
+        refused(SweepPlan.grid, material, over, settings, told=told)
+    for ends in ((0.2,), (0.2, 0.3, 0.4)):
+        refused(SweepPlan.sample, "abs", {"mu_a": ends}, 4, told="two ends")
+    for number in (-1, 20, 0.5):
+        refused(fake_plan().point, number, told="point")
+    # Half an ellipse is no loop, but the swept key may bring the other half.
+    assert len(SweepPlan.grid("plywood", {"semi_y_mm": (30.0, 40.0)}, {"semi_x_mm": 50.0})) == 2
 
 
 def test_unknown_groups_of_quantities_are_refused_and_map_is_always_there() -> None:
     assert PortraitNumbers(("turns", "rotation")).groups == ("map", "rotation", "turns")
     assert PortraitNumbers(("all",)).groups[-1] == "staircase"
-    with pytest.raises(InvalidInput, match="unknown group of quantities 'turn': did you mean 'turns'"):
-        PortraitNumbers(("turn",))
-    with pytest.raises(InvalidInput, match="no quantities"):
-        PortraitNumbers(())
-    with pytest.raises(InvalidInput, match="tolerance must be positive"):
-        PortraitNumbers(tolerance=0.0)
+    refused(PortraitNumbers, ("turn",), told="unknown group of quantities 'turn': did you mean 'turns'")
+    refused(PortraitNumbers, (), told="no quantities")
+    refused(PortraitNumbers, tolerance=0.0, told="tolerance must be positive")
 
 
 FEET = "x_mm,y_mm,weight\n-30,-30,1\n30,-30,1\n0,30,{weight}\n"
@@ -115,23 +103,3 @@ def test_a_footprint_file_counts_by_what_it_holds(tmp_path, swept) -> None:
     same = [plan.point(0).digest for plan in plans]
     assert (same[0] == same[1]) == swept
     assert "footprint_files" not in SweepPlan.grid("plywood", OVER).described()
-
-
-@pytest.mark.parametrize("number", [-1, 20, 0.5])
-def test_a_point_that_is_not_there_is_refused(number) -> None:
-    plan = fake_plan()
-    assert len(plan) == 20
-    with pytest.raises(InvalidInput, match="point"):
-        plan.point(number)
-
-
-def test_values_that_are_no_lists_and_ends_that_are_not_two_are_refused() -> None:
-    for over in ([1], "mu_a"):
-        with pytest.raises(InvalidInput, match="over must tell the values"):
-            SweepPlan.grid("abs", over)
-    for key, values in (("mu_a", 0.2), ("shape", "rect1")):
-        with pytest.raises(InvalidInput, match=f"{key} is .*as a list"):
-            SweepPlan.grid("abs", {key: values})
-    for ends in ((0.2,), (0.2, 0.3, 0.4)):
-        with pytest.raises(InvalidInput, match="two ends"):
-            SweepPlan.sample("abs", {"mu_a": ends}, 4)

@@ -1,16 +1,20 @@
 """The store keeps what it was given to the last bit, and refuses what it cannot trust."""
 
+import multiprocessing
 import os
 import sqlite3
 import subprocess
 import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_numbers import FakeNumbers, fake_plan
+from fake_numbers import FakeNumbers, fake_plan, opened, swept
+from refusals import refused
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.sweeps import PointOutcome, StoreWriteError, SweepStore, load_sweep, run_sweep, sweep_status
 
 
@@ -20,7 +24,7 @@ def path(tmp_path) -> Path:
 
 
 def full_store(path, **options) -> None:
-    run_sweep(fake_plan(**options), path, workers=1)
+    swept(path, fake_plan(**options))
 
 
 def test_every_float_comes_back_as_it_went(path) -> None:
@@ -42,10 +46,9 @@ def test_every_float_comes_back_as_it_went(path) -> None:
 
 def test_a_point_is_kept_once(path) -> None:
     plan = fake_plan()
-    point = plan.point(0)
     with SweepStore(path, plan) as store:
-        store.add([(point, PointOutcome({"rotation": 1.0}))])
-        store.add([(point, PointOutcome({"rotation": 2.0}))])
+        for rotation in (1.0, 2.0):
+            store.add([(plan.point(0), PointOutcome({"rotation": rotation}))])
         assert store.status().stored == 1
     assert load_sweep(path).columns["rotation"].tolist() == [1.0]
 
@@ -61,85 +64,59 @@ def test_anyone_can_ask_it_in_sql(path) -> None:
     assert mode == "wal"
 
 
-@pytest.mark.parametrize(
-    ("options", "differs"),
-    [
+def test_the_store_of_another_plan_is_refused_and_left_alone(path) -> None:
+    full_store(path)
+    before = path.read_bytes()
+    for options, differs in (
         ({"rows": 6}, "differs in points"),
         ({"told": "other"}, "differs in quantities"),
         ({"version": "fake 2"}, "another version of the code"),
-    ],
-)
-def test_the_store_of_another_plan_is_refused_and_left_alone(path, options, differs) -> None:
-    full_store(path)
-    before = load_sweep(path).number.tolist()
-    with pytest.raises(InvalidInput, match=differs):
-        run_sweep(fake_plan(**options), path, workers=1)
-    with pytest.raises(InvalidInput, match=differs):
-        sweep_status(path, fake_plan(**options))
-    assert load_sweep(path, fake_plan()).number.tolist() == before
-
-
-def other_database(path) -> None:
-    connection = sqlite3.connect(path)
-    connection.execute("CREATE TABLE mine (x)")
-    connection.commit()
-    connection.close()
-
-
-def tampered(path) -> None:
-    """One number changed, in a file that is otherwise sound."""
-    connection = sqlite3.connect(path)
-    connection.execute("UPDATE points SET rotation = 0.5 WHERE number = 7")
-    connection.commit()
-    connection.close()
-
-
-@pytest.mark.parametrize(
-    ("harm", "message"),
-    [
-        (lambda path: path.write_text("not a store, but words\n" * 300), "not a database"),
-        (other_database, "not a store of this version's sweeps"),
-        (tampered, "a row of its table points is not as it was written"),
-    ],
-)
-def test_a_damaged_or_foreign_file_is_refused_by_name(path, harm, message) -> None:
-    full_store(path, rows=60)
-    if harm is other_database:
-        path.unlink()
-    harm(path)
-    before = path.read_bytes()
-    with pytest.raises(DataFileError, match=message) as caught:
-        load_sweep(path, fake_plan(rows=60))
-    assert str(path) in str(caught.value) and "remove it" in str(caught.value)
+    ):
+        refused(run_sweep, fake_plan(**options), path, workers=1, told=differs)
+        refused(sweep_status, path, fake_plan(**options), told=differs)
     assert path.read_bytes() == before
 
 
+def written_to(path, statement) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute(statement)
+    connection.commit()
+    connection.close()
+
+
+def test_a_damaged_or_foreign_file_is_refused_by_name(path) -> None:
+    """One number changed, in a file that is otherwise sound; another database; no database at all."""
+    full_store(path, rows=60)
+    written_to(path, "UPDATE points SET rotation = 0.5 WHERE number = 7")
+    for told in ("a row of its table points is not as it was", "not a store of this version's", "not a database"):
+        before = path.read_bytes()
+        told = rf"^{path}.*{told}.*remove it"
+        refused(load_sweep, path, fake_plan(rows=60), told=told, kind=DataFileError)
+        assert path.read_bytes() == before
+        path.unlink()
+        if "row" in told:
+            written_to(path, "CREATE TABLE mine (x)")
+        else:
+            path.write_text("not a store, but words\n" * 300)
+
+
 def test_an_absent_store_is_at_the_beginning_of_a_plan_and_no_results(path) -> None:
+    """One begun and killed before its first table is begun again."""
     status = sweep_status(path, fake_plan())
     assert (status.points, status.stored, status.complete) == (20, 0, False)
     assert not path.exists()
     for ask in (sweep_status, load_sweep):
-        with pytest.raises(DataFileError, match="no such store"):
-            ask(path)
-
-
-def test_a_store_begun_and_killed_before_its_first_table_is_begun_again(path) -> None:
+        refused(ask, path, told="no such store", kind=DataFileError)
     path.parent.mkdir()
     path.touch()
-    full_store(path)
-    assert len(load_sweep(path)) == 20
+    assert len(swept(path, fake_plan())) == 20
 
 
-def test_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
+def test_a_folder_is_no_store_and_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
+    for plan in (None, fake_plan()):
+        refused(SweepStore, tmp_path, plan, told="is a folder", kind=DataFileError)
     (tmp_path / "file").write_text("")
-    with pytest.raises(StoreWriteError, match="cannot be written"):
-        run_sweep(fake_plan(), tmp_path / "file" / "sweep.sqlite", workers=1)
-
-
-def test_a_folder_is_no_store(tmp_path) -> None:
-    for open_it in (lambda: SweepStore(tmp_path), lambda: SweepStore(tmp_path, fake_plan())):
-        with pytest.raises(DataFileError, match="is a folder"):
-            open_it()
+    refused(SweepStore, tmp_path / "file" / "a.sqlite", fake_plan(), told="cannot be written", kind=StoreWriteError)
 
 
 def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
@@ -173,26 +150,21 @@ def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path
     command = [sys.executable, "-c", FULL_DISK, str(path), "250000"]
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert "cannot be written" in ended.stdout and "make room, then run the same sweep again" in ended.stdout
-    kept = load_sweep(path)
+    kept, log, plan = load_sweep(path), tmp_path / "log", fake_plan(rows=300)
     assert 100 < len(kept) < 1200
-    log = tmp_path / "log"
-    plan = fake_plan(rows=300)
     object.__setattr__(plan, "numbers", FakeNumbers(log=str(log)))
-    assert run_sweep(plan, path, workers=1).complete
+    whole, wanted = swept(path, plan), swept(tmp_path / "undisturbed.sqlite", fake_plan(rows=300))
     assert len(log.read_text().split()) == 1200 - len(kept)
-    undisturbed = tmp_path / "undisturbed.sqlite"
-    run_sweep(fake_plan(rows=300), undisturbed, workers=1)
-    whole, wanted = load_sweep(path), load_sweep(undisturbed)
     assert whole.columns["rotation"].tolist() == wanted.columns["rotation"].tolist()
     assert whole.number.tolist() == list(range(1200))
 
 
-@pytest.mark.parametrize("cut", [1, 100, 4096, 5000])
-def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path, cut) -> None:
+def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path) -> None:
     full_store(path)
-    path.write_bytes(path.read_bytes()[:-cut])
-    with pytest.raises(DataFileError, match="damaged"):
-        sweep_status(path)
+    whole = path.read_bytes()
+    for cut in (1, 100, 4096, 5000):
+        path.write_bytes(whole[:-cut])
+        refused(sweep_status, path, told="damaged", kind=DataFileError)
 
 
 @pytest.mark.slow
@@ -218,27 +190,8 @@ def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
 @pytest.mark.slow
 def test_sweeps_that_begin_together_share_one_healthy_store(path) -> None:
     """Four processes open a store that is not there at the same moment, three times over."""
-    script = """
-        import sys
-        from pathlib import Path
-        from fake_numbers import fake_plan
-        from cyclemap.sweeps.sweep_store import SweepStore
-        plan = fake_plan()
-        print(flush=True)
-        for line in sys.stdin:
-            with SweepStore(Path(line.strip()), plan) as store:
-                print(store.status().points, flush=True)
-    """
-    command = [sys.executable, "-c", "\n".join(line[8:] for line in script.splitlines())]
-    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    together = [subprocess.Popen(command, env=environment, **pipes) for _ in range(4)]
-    for process in together:
-        process.stdout.readline()
-    for round_ in range(3):
-        for process in together:
-            process.stdin.write(f"{path.with_name(f'{round_}.sqlite')}\n")
-            process.stdin.flush()
-        assert [process.stdout.readline() for process in together] == [f"{len(fake_plan())}\n"] * 4
-    for process in together:
-        assert process.communicate(timeout=120) == ("", "")
+    with ProcessPoolExecutor(4, mp_context=multiprocessing.get_context("spawn")) as pool:
+        assert list(pool.map(time.sleep, [2.0] * 4)) == [None] * 4
+        for number in range(3):
+            found = pool.map(opened, [path.with_name(f"{number}.sqlite")] * 4)
+            assert list(found) == [len(fake_plan())] * 4

@@ -108,7 +108,7 @@ def test_the_offset_alone_has_its_fixed_points_in_closed_form() -> None:
     for stable, (angle, multiplier) in zip((True, False), theory.offset_fixed_points(), strict=True):
         numbers = {theory.OMEGA: 0.1, sp.Symbol("X", positive=True): 0.3}
         assert found[stable].theta == pytest.approx((float(angle.subs(numbers)) + 0.4) % (2 * math.pi), abs=1e-9)
-        assert found[stable].multiplier == pytest.approx(float(multiplier.subs(numbers)), abs=1e-9)
+        assert found[stable].orbit.multiplier == pytest.approx(float(multiplier.subs(numbers)), abs=1e-9)
 
 
 @pytest.mark.slow

@@ -11,8 +11,9 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
+from cyclemap.collection.portrait_curves import placed
 from cyclemap.maps import CircleMap
-from cyclemap.mechanics import Material, Trajectory
+from cyclemap.mechanics import Material
 from cyclemap.resets.design.material_range import on_material
 from cyclemap.resets.design.strategy import CycleAction, ResetStrategy
 
@@ -136,7 +137,7 @@ def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Arr
     """
     rough, found = replace(loop, accuracy=max(loop.accuracy, _ACCURACY)), {}
     for push in {action.push or loop.push for action in actions}:
-        poses = [rough.start_pose(theta) for theta in _starts(_CONTACT_STARTS)]
+        poses = [rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)]
         found[push] = min(rough.model.push(pose, push).travel for pose in poses)
     return np.array([found[action.push or loop.push] for action in actions])
 
@@ -151,26 +152,15 @@ def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
     0.186
     """
     acted = action.on(replace(loop, accuracy=max(loop.accuracy, _ACCURACY)))
-    step, reach = acted.push.distance / _COURSE, 0.0
-    for theta in _starts(_ROOM_STARTS):
+    step, outline, reach = acted.push.distance / _COURSE, loop.slider.outline_points(), 0.0
+    for number in range(_ROOM_STARTS):
+        theta = TWO_PI * number / _ROOM_STARTS
         push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)
         course = push.trajectory
         way = course.pusher[-1] - course.pusher[0]
         end = course.pusher[0] + acted.push.distance * way / math.hypot(*way)
         courses = [course, drag.trajectory] if acted.reset.way_points else [course]
         rod = max(math.hypot(*place) for place in (course.pusher[0], end, *acted.reset.way_points))
-        reach = max(reach, rod + loop.pusher.radius, *(_outline_reach(loop, one) for one in courses))
+        places = [placed(one.pose.T[..., None], outline) for one in courses]
+        reach = max(reach, rod + loop.pusher.radius, *(float(np.hypot(*one.T).max()) for one in places))
     return reach
-
-
-def _starts(count: int) -> list[float]:
-    return [TWO_PI * step / count for step in range(count)]
-
-
-def _outline_reach(loop: CollectionLoop, course: Trajectory) -> float:
-    x, y, theta = (column[:, None] for column in course.pose.T)
-    points = loop.slider.outline_points()
-    cosine, sine = np.cos(theta), np.sin(theta)
-    across = x + cosine * points[:, 0] - sine * points[:, 1]
-    along = y + sine * points[:, 0] + cosine * points[:, 1]
-    return float(np.hypot(across, along).max())

@@ -28,14 +28,14 @@ _MOST_SETS = 2_000
 
 
 def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
-    """Return the affine maps (..., 2M, 2M + 1) of cycles that turn by `turn` (..., n) rad at n equal steps of theta.
+    """Return the affine maps (..., 2M + 1, 2M + 1) of cycles that turn by `turn` (..., n) rad at n equal steps.
 
-    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. The last column is
-    the constant.
+    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. They act on (Re p, Im p, 1), so
+    that one after another is their product.
 
     >>> rigid = affine_kernels(np.full(8, 0.5), 1, 0.0)   # a rotation by half a radian
     >>> (rigid.round(4) + 0.0).tolist()
-    [[0.8776, 0.4794, 0.0], [-0.4794, 0.8776, 0.0]]
+    [[0.8776, 0.4794, 0.0], [-0.4794, 0.8776, 0.0], [0.0, 0.0, 1.0]]
     """
     count = turn.shape[-1]
     orders = np.arange(1, modes + 1)
@@ -46,31 +46,15 @@ def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
     total, difference = up + down, up - down
     upper = np.concatenate([total.real, -difference.imag, rows[..., :1].real], axis=-1)
     lower = np.concatenate([total.imag, difference.real, rows[..., :1].imag], axis=-1)
-    return np.concatenate([upper, lower], axis=-2)
-
-
-def then(later: Array, earlier: Array) -> Array:
-    """Return the affine maps `later` after `earlier`."""
-    made = later[..., :-1] @ earlier
-    made[..., -1] += later[..., -1]
-    return np.asarray(made)
-
-
-def repeated(kernel: Array, times: int) -> Array:
-    """Return an affine map done `times` times."""
-    identity = np.zeros_like(kernel)
-    identity[..., :-1] = np.eye(kernel.shape[-2])
-    done, power = identity, kernel
-    while times:
-        done = then(power, done) if times & 1 else done
-        power, times = then(power, power), times >> 1
-    return done
+    last = np.zeros_like(upper[..., :1, :])
+    last[..., -1] = 1.0
+    return np.concatenate([upper, lower, last], axis=-2)
 
 
 def long_run(kernel: Array) -> Array:
     """Return the fixed point (..., 2M) of an affine map that forgets its start."""
-    size = kernel.shape[-2]
-    return np.asarray(np.linalg.solve(np.eye(size) - kernel[..., :-1], kernel[..., -1:])[..., 0])
+    step = np.eye(kernel.shape[-1] - 1) - kernel[..., :-1, :-1]
+    return np.asarray(np.linalg.solve(step, kernel[..., :-1, -1:])[..., 0])
 
 
 def total_variation(coefficients: Array, samples: int = DENSITY_SAMPLES) -> Array:
@@ -80,10 +64,10 @@ def total_variation(coefficients: Array, samples: int = DENSITY_SAMPLES) -> Arra
 
 def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES) -> Array:
     """Return the largest total variation (...) from uniform that an affine map leaves of any known start."""
-    modes = kernel.shape[-2] // 2
+    modes = kernel.shape[-1] // 2
     theta = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(starts) / starts)
     known = np.concatenate([np.cos(theta), -np.sin(theta)])
-    ends = np.swapaxes(kernel[..., :-1] @ known + kernel[..., -1:], -1, -2)
+    ends = np.swapaxes(kernel[..., :-1, :-1] @ known + kernel[..., :-1, -1:], -1, -2)
     return np.asarray(np.minimum(total_variation(ends, samples).max(axis=-1), 1.0))
 
 
@@ -129,19 +113,20 @@ def orientation_law(
     positive_number("sigma", sigma)
     count = whole_number("pushes", pushes, least=1)
     sizes = [size for size in _MODES if size <= max(turn.shape[-1] // 4, _MODES[0])] if modes is None else [modes]
-    found: list[tuple[float, float]] = []
+    found, error = (math.nan, math.nan), math.nan
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
         start = long_run(steps[-1])
-        law = np.mean([step[:, :-1] @ start + step[:, -1] for step in steps], axis=0)
+        law = np.mean([step[:-1, :-1] @ start + step[:-1, -1] for step in steps], axis=0)
         whole, rest = divmod(count, len(steps))
-        end = repeated(steps[-1], whole)
-        ended = then(steps[rest - 1], end) if rest else end
-        found.append((min(float(total_variation(law)), 1.0), float(farthest(ended))))
-        if len(found) > 1 and _change(found) <= _SAME:
+        end = np.linalg.matrix_power(steps[-1], whole)
+        ended = steps[rest - 1] @ end if rest else end
+        before, found = found, (min(float(total_variation(law)), 1.0), float(farthest(ended)))
+        error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))
+        if error <= _SAME:
             break
     density = (1.0 + law @ _waves(size, DENSITY_SAMPLES)) / TWO_PI
-    return OrientationLaw(*found[-1], count, size, _change(found) if len(found) > 1 else math.nan, density)
+    return OrientationLaw(*found, count, size, error, density)
 
 
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
@@ -152,11 +137,7 @@ def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: in
     0.8825
     """
     steps = _steps(affine_kernels(turn, min(modes, turn.shape[-1] // 4), sigma), strategy)
-    return float(np.abs(np.linalg.eigvals(steps[-1][:, :-1])).max() ** (1.0 / len(steps)))
-
-
-def _change(found: list[tuple[float, float]]) -> float:
-    return max(abs(now - before) for now, before in zip(found[-1], found[-2], strict=True))
+    return float(np.abs(np.linalg.eigvals(steps[-1][:-1, :-1])).max() ** (1.0 / len(steps)))
 
 
 def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:
@@ -166,7 +147,7 @@ def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:
     if strategy.order == IN_TURN:
         done = [kernels[0]]
         for kernel in kernels[1:]:
-            done.append(then(kernel, done[-1]))
+            done.append(kernel @ done[-1])
         return done
     assert strategy.order == SHUFFLED
     return _shuffled(kernels, strategy.counts)
@@ -177,7 +158,7 @@ def _shuffled(kernels: Array, counts: Sequence[int]) -> list[Array]:
     sets = math.prod(count + 1 for count in counts)
     if sets > _MOST_SETS:
         raise InvalidInput(f"a block of {sum(counts)} pushes passes through {sets} sets of actions: use smaller blocks")
-    size, done = kernels.shape[-2], {(0,) * len(counts): (1.0, np.eye(kernels.shape[-2], kernels.shape[-1]))}
+    done = {(0,) * len(counts): (1.0, np.eye(kernels.shape[-1]))}
     steps = []
     for left in range(sum(counts), 0, -1):
         following: dict[tuple[int, ...], tuple[float, Array]] = {}
@@ -187,8 +168,8 @@ def _shuffled(kernels: Array, counts: Sequence[int]) -> list[Array]:
                     continue
                 key = (*so_far[:number], so_far[number] + 1, *so_far[number + 1 :])
                 share = chance * (most - so_far[number]) / left
-                before, summed = following.get(key, (0.0, np.zeros((size, size + 1))))
-                following[key] = (before + share, summed + share * then(kernels[number], kernel))
+                before, summed = following.get(key, (0.0, np.zeros_like(kernel)))
+                following[key] = (before + share, summed + share * (kernels[number] @ kernel))
         done = {key: (chance, summed / chance) for key, (chance, summed) in following.items()}
         steps.append(np.sum([chance * kernel for chance, kernel in done.values()], axis=0))
     return steps

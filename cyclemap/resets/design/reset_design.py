@@ -34,13 +34,10 @@ from cyclemap.resets.design.reset_ranking import (
     Limit,
     Pool,
     ResetDemands,
-    any_meets,
     gathered,
-    is_beyond,
-    least_of,
     picked,
 )
-from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, gripper_turned, push_set, random_legs, searched
+from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
 from cyclemap.resets.design.strategy import (
     IN_TURN,
     RANDOM,
@@ -161,10 +158,15 @@ def design_reset(
     positive_number("sigma", sigma)
     pool = _pool(nominal, wanted, about, sigma, report)
     for firm in FIRM:
-        picks, misses = picked(pool, wanted, firm)
-        if misses or _keeps(nominal, picks[0][1], wanted, about, sigma):
+        picks, binding = picked(pool, wanted, firm)
+        if binding:
             break
-    binding = tuple(least_of(pool, name) for name in misses)
+        # A closer look, on all materials.
+        best = picks[0][1]
+        turns = sample_turns(best.prepared(nominal), best.actions, about.materials, _SAMPLES).refined(_REFINED)
+        laws = [orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns]
+        if all(law.total_variation <= wanted.allow_tv and law.after <= wanted.allow_after for law in laws):
+            break
     roles: dict[ResetStrategy, list[str]] = {}
     for role, strategy in (*picks, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
         roles.setdefault(strategy, []).append(role)
@@ -173,7 +175,7 @@ def design_reset(
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
     rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     return ResetDesign(
-        loop, sigma, wanted, about, rows, not misses and not rows[0].misses, binding,
+        loop, sigma, wanted, about, rows, not binding and not rows[0].misses, binding,
         independent_distance(wanted.pushes), **course,
     )  # fmt: skip
 
@@ -182,7 +184,7 @@ def _pool(
     loop: CollectionLoop, demands: ResetDemands, about: MaterialRange, sigma: float, report: Callable[[float], None]
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
-    parts = [make(loop, about, sigma, demands.within) for make in (random_legs, gripper_turned)]
+    parts = own_pushes(loop, about, sigma, demands.within)
     places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
     if RING in demands.abilities and not demands.keep_push:
         x, y = loop.slider.hitch
@@ -190,8 +192,10 @@ def _pool(
     # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
     least = [demands.contact] * 2 if demands.contact else [share * loop.push.distance for share in CONTACTS]
     for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
-        if hitch == places[0] and any_meets(gathered(loop, demands, tuple(parts)), demands):
-            break
+        if hitch == places[0]:
+            pool = gathered(loop, demands, tuple(parts))
+            if (pool.able & (pool.missed == 0.0)).any():
+                break
         source = push_set(loop, about, sigma, contact, slants, hitch)
         if source is not None:
             parts.append(searched(source, demands.within, lambda done: report(0.4 * done)))
@@ -209,92 +213,92 @@ def _assessed(
     report: Callable[[float], None],
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
     """The rows, from more samples and on all materials of the range, and what is drawn beside them."""
-    tried = about.materials
     cycles: dict[ResetStrategy, SampledTurns] = {}
     for strategy in roles:
         report(0.4 + 0.4 * len(cycles) / len(roles))
-        cycles[strategy] = _cycles(loop, strategy, tried)
-    runs = max(2, min(_RUNS, _MOST_SIMULATED // demands.pushes))
-
-    def shares(strategy: ResetStrategy, material: int) -> Array:
-        turn = cycles[strategy].refined(_REFINED)[material]
-        return histogram_shares(sampled_orientations(turn, strategy, demands.pushes, runs, sigma, seed))
-
+        cycles[strategy] = sample_turns(strategy.prepared(loop), strategy.actions, about.materials, _SAMPLES)
     rows: list[ResetRow] = []
     for strategy, told in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
-        turns = cycles[strategy].refined(_REFINED)
-        nominal = orientation_law(turns[0], strategy, sigma, demands.within)
-        modes = min(nominal.modes, _ENOUGH_MODES)
-        laws = [nominal, *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:])]
-        worst = int(np.argmax([law.after + law.total_variation for law in laws]))
-        lengths, pushes = cycles[strategy].drag_length[0], [(a.push or loop.push).distance for a in strategy.actions]
-        drag = float(strategy.shares @ lengths)
-        turned = np.array([a.turn != 0.0 for a in strategy.actions])
-        time = float(strategy.shares @ seconds(lengths + np.array(pushes), turned))
-        prepared, actions = strategy.prepared(loop), dict.fromkeys(replace(a, turn=0.0) for a in strategy.actions)
-        room = max(room_needed(prepared, action) for action in actions)
-        contact = float(contact_lengths(prepared, list(actions)).min())
-        values = {
-            TV: max(law.total_variation for law in laws), AFTER: max(law.after for law in laws),
-            DRAG: drag, SECONDS: time, REACH: room, CONTACT: contact,
-        }  # fmt: skip
-        row = ResetRow(
-            tuple(told), strategy, laws[0], values[TV], values[AFTER], tried[worst], drag, time, room, contact,
-            _mean_and_spread(shares(strategy, 0)), _mean_and_spread(shares(strategy, worst)),
-            tuple(name for name, limit in limits.items() if is_beyond(name, values[name], limit)),
-            tuple(need for need in strategy.needs if need not in demands.abilities),
-        )  # fmt: skip
-        rows.append(row)
+        rows.append(_row(loop, strategy, told, cycles[strategy], limits, demands, about, sigma, seed))
     chosen, own = rows[0].strategy, rows[-1].strategy
     compared = [chosen, *(row.strategy for row in rows[1:] if SIMPLEST in row.roles)]
     # The ratio of the axes off by a share, their geometric mean kept.
     law, roots = about.nominal.friction, np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
     bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
     stretched = [replace(about.nominal, friction=one) for one in bent]
-    curves = [
-        [
-            orientation_law(turn, one, sigma, 1).total_variation
-            for turn in _cycles(loop, one, stretched).refined(_REFINED)
-        ]
-        for one in compared
-    ]
+    curves = []
+    for one in compared:
+        turns = sample_turns(one.prepared(loop), one.actions, stretched, _SAMPLES).refined(_REFINED)
+        curves.append([orientation_law(turn, one, sigma, 1).total_variation for turn in turns])
+    before, after = (
+        _histograms(cycles[one].refined(_REFINED)[0], one, demands.pushes, sigma, seed) for one in (own, chosen)
+    )
     return tuple(rows), {
-        "orders": _by_order(cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, runs, sigma, seed),
+        "orders": _by_order(cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, sigma, seed),
         "ratio_errors": np.array(_RATIO_STEPS),
         "ratio_tv": np.array(curves),
-        "before": shares(own, 0),
-        "after": shares(chosen, 0),
+        "before": before,
+        "after": after,
     }
 
 
-def _keeps(
-    loop: CollectionLoop, strategy: ResetStrategy, demands: ResetDemands, about: MaterialRange, sigma: float
-) -> bool:
-    """Whether a strategy keeps to the total variations allowed at a closer look, on all materials."""
-    turns = _cycles(loop, strategy, about.materials).refined(_REFINED)
-    laws = [orientation_law(turn, strategy, sigma, demands.within, _ENOUGH_MODES // 2) for turn in turns]
-    return all(law.total_variation <= demands.allow_tv and law.after <= demands.allow_after for law in laws)
+def _row(
+    loop: CollectionLoop,
+    strategy: ResetStrategy,
+    roles: Sequence[str],
+    cycles: SampledTurns,
+    limits: dict[str, float],
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    seed: int,
+) -> ResetRow:
+    turns = cycles.refined(_REFINED)
+    nominal = orientation_law(turns[0], strategy, sigma, demands.within)
+    modes = min(nominal.modes, _ENOUGH_MODES)
+    laws = [nominal, *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:])]
+    worst = int(np.argmax([law.after + law.total_variation for law in laws]))
+    lengths, pushes = cycles.drag_length[0], [(action.push or loop.push).distance for action in strategy.actions]
+    drag = float(strategy.shares @ lengths)
+    turned = np.array([action.turn != 0.0 for action in strategy.actions])
+    time = float(strategy.shares @ seconds(lengths + np.array(pushes), turned))
+    prepared, actions = strategy.prepared(loop), dict.fromkeys(replace(one, turn=0.0) for one in strategy.actions)
+    room = max(room_needed(prepared, action) for action in actions)
+    contact = float(contact_lengths(prepared, list(actions)).min())
+    values = {
+        TV: max(law.total_variation for law in laws), AFTER: max(law.after for law in laws),
+        DRAG: drag, SECONDS: time, REACH: room, CONTACT: contact,
+    }  # fmt: skip
+    # Contact is demanded at least, all else at most.
+    sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}
+    misses = tuple(name for name, limit in limits.items() if sign[name] * (values[name] - limit) > 0.0)
+    spread = []
+    for material in (0, worst):
+        found = histogram_distances(_histograms(turns[material], strategy, demands.pushes, sigma, seed))
+        spread.append((float(found.mean()), float(found.std(ddof=1))))
+    lacking = tuple(need for need in strategy.needs if need not in demands.abilities)
+    return ResetRow(
+        tuple(roles), strategy, nominal, values[TV], values[AFTER], about.materials[worst], drag, time, room, contact,
+        spread[0], spread[1], misses, lacking,
+    )  # fmt: skip
 
 
-def _cycles(loop: CollectionLoop, strategy: ResetStrategy, materials: Sequence[Material]) -> SampledTurns:
-    return sample_turns(strategy.prepared(loop), strategy.actions, materials, _SAMPLES)
+def _histograms(turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int) -> Array:
+    """The histograms (runs, 36) of simulated collections."""
+    runs = max(2, min(_RUNS, _MOST_SIMULATED // pushes))
+    return histogram_shares(sampled_orientations(turn, strategy, pushes, runs, sigma, seed))
 
 
-def _mean_and_spread(shares: Array) -> tuple[float, float]:
-    distances = histogram_distances(shares)
-    return float(distances.mean()), float(distances.std(ddof=1))
-
-
-def _by_order(turn: Array, row: ResetRow, pushes: int, runs: int, sigma: float, seed: int) -> dict[str, float]:
+def _by_order(turn: Array, row: ResetRow, pushes: int, sigma: float, seed: int) -> dict[str, float]:
     """The mean histogram distance of the same actions in other orders, and chosen from the orientation seen."""
     told, strategy = {RANDOM: row.histogram[0]}, row.strategy
     if len(strategy.actions) == 1:
         return told
+    found = {}
     for order in (IN_TURN, SHUFFLED):
         if order == SHUFFLED or strategy.weights is None:
-            other = replace(strategy, order=order)
-            theta = sampled_orientations(turn, other, pushes, runs, sigma, seed)
-            told[order] = float(histogram_distances(histogram_shares(theta)).mean())
-    theta = steered_orientations(turn, pushes, runs, sigma, seed)
-    return {**told, STEERED: float(histogram_distances(histogram_shares(theta)).mean())}
+            found[order] = _histograms(turn, replace(strategy, order=order), pushes, sigma, seed)
+    runs = max(2, min(_RUNS, _MOST_SIMULATED // pushes))
+    found[STEERED] = histogram_shares(steered_orientations(turn, pushes, runs, sigma, seed))
+    return {**told, **{order: float(histogram_distances(shares).mean()) for order, shares in found.items()}}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,82 +101,77 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class Pool:
-    """All candidates in one list: their sets and numbers, and every value that demands or ranks are about, (n,)."""
+    """All candidates in one list, n of them.
+
+    parts : their sets. part, number : (n,), the set of each and its number there. family : (n,), the set's.
+    able : (n,), whether the robot can do it. values : (n,) of all that demands or ranks are about. limits : what is
+    demanded. excess : (n,), by how many e-foldings a value lies on the wrong side of its limit, negative on the right
+    one. missed : (n,), the sum of those on the wrong side. actions : (n,), how many. untidy : (n,), how far from simple
+    a mixture of so many actions is: unequal weights, then places not the loop's own.
+    """
 
     parts: tuple[Candidates, ...]
     part: NDArray[np.int64]
     number: NDArray[np.int64]
+    family: NDArray[np.str_]
+    able: NDArray[np.bool_]
     values: dict[str, Array]
+    limits: dict[str, float]
+    excess: dict[str, Array]
+    missed: Array
     actions: NDArray[np.int64]
     untidy: Array
-    limits: dict[str, float]
 
     def strategy(self, index: int) -> ResetStrategy:
         """Return a candidate as a strategy."""
         return self.parts[int(self.part[index])].strategy(int(self.number[index]))
 
-    def excess(self, name: str) -> Array:
-        """By how many e-foldings a value lies on the wrong side of its limit; negative on the right one."""
-        ratio = np.log(np.maximum(self.values[name], 1e-9) / self.limits[name])
-        return -ratio if name == CONTACT else ratio
-
-
-def is_beyond(demand: str, value: float, limit: float) -> bool:
-    """Return whether a value lies on the wrong side of its limit: contact is demanded at least, all else at most.
-
-    >>> is_beyond(DRAG, 0.2, 0.1), is_beyond(CONTACT, 0.2, 0.1)
-    (True, False)
-    """
-    return value < limit if demand == CONTACT else value > limit
-
 
 def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:
     """Return the candidates with their values; the second part starts with the loop's own drag."""
-    own_drag = float(parts[1].source.turns.drag_length[0, 0])
-    part = np.repeat(np.arange(len(parts)), [len(one.tv) for one in parts])
-    number = np.concatenate([np.arange(len(one.tv)) for one in parts])
-    drag = np.concatenate([one.drag_length for one in parts])
-    turned = [one.shares @ np.array([bool(a.turn) for a in one.source.actions], dtype=float) for one in parts]
-    values = {
-        TV: np.concatenate([one.tv for one in parts]),
-        AFTER: np.concatenate([one.after for one in parts]),
-        DRAG: drag,
-        SECONDS: seconds(loop.push.distance + drag, np.concatenate(turned)),
-        CONTACT: np.concatenate([one.contact for one in parts]),
-    }
+    own_drag, own = float(parts[1].source.turns.drag_length[0, 0]), (loop.push.fraction, loop.push.angle)
     limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
     asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
-    if demands.reach is not None:
-        values[REACH] = np.concatenate([_rooms(loop, one) for one in parts])
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
-    sizes = np.concatenate([one.sizes for one in parts])
-    untidy = np.concatenate([_untidiness(loop, one) for one in parts])
-    return Pool(parts, part, number, values, sizes, untidy, limits)
-
-
-def _rooms(loop: CollectionLoop, found: Candidates) -> Array:
-    """The room (m) that each mixture needs: of its actions the most."""
-    prepared = ResetStrategy((CycleAction(),), hitch=found.source.hitch).prepared(loop)
-    still = [replace(action, turn=0.0) for action in found.source.actions]
-    rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
-    return np.asarray(np.where(found.shares > 0.0, [rooms[action] for action in still], 0.0).max(axis=1))
-
-
-def _untidiness(loop: CollectionLoop, found: Candidates) -> Array:
-    """How far from simple a mixture of so many actions is: unequal weights, then places not the loop's own."""
-    own = {(loop.push.fraction, loop.push.angle)}
-    places = [(a.push.fraction, a.push.angle) if a.push else next(iter(own)) for a in found.source.actions]
-    kinds = sorted(set(places) - own)
-    strange = [(found.shares[:, [place == kind for place in places]] > 0.0).any(axis=1).astype(float) for kind in kinds]
-    return np.asarray(100.0 * ~found.equal + sum(strange, start=np.zeros(len(found.shares))))
+    rows: list[dict[str, Any]] = []
+    for one in parts:
+        actions, used = one.source.actions, one.shares > 0.0
+        sizes, drag = used.sum(axis=1), one.shares @ one.source.turns.drag_length[0]
+        turned = one.shares @ np.array([bool(action.turn) for action in actions], dtype=float)
+        contact = np.where(used, one.source.contact, np.inf).min(axis=1)
+        time = seconds(loop.push.distance + drag, turned)
+        row = {TV: one.tv, AFTER: one.after, DRAG: drag, SECONDS: time, CONTACT: contact}
+        if demands.reach is not None:
+            prepared = ResetStrategy(OWN.actions, hitch=one.source.hitch).prepared(loop)
+            still = [replace(action, turn=0.0) for action in actions]
+            rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
+            row[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=1)
+        places = [(action.push.fraction, action.push.angle) if action.push else own for action in actions]
+        kinds = sorted(set(places) - {own})
+        strange = [used[:, [place == kind for place in places]].any(axis=1).astype(float) for kind in kinds]
+        equal = np.abs(one.shares.sum(axis=1) - sizes * one.shares.max(axis=1)) < 1e-9
+        untidy = 100.0 * ~equal + sum(strange, start=np.zeros(len(used)))
+        family = np.full(len(used), one.source.family)
+        rows.append({**row, "number": np.arange(len(used)), "sizes": sizes, "untidy": untidy, "family": family})
+    values = {name: np.concatenate([row[name] for row in rows]) for name in rows[0]}
+    number, counts, untidy, family = (values.pop(name) for name in ("number", "sizes", "untidy", "family"))
+    excess = {name: np.log(np.maximum(values[name], 1e-9) / limit) for name, limit in limits.items()}
+    if CONTACT in excess:
+        excess[CONTACT] = -excess[CONTACT]
+    missed = np.maximum(np.array(list(excess.values())), 0.0).sum(axis=0)
+    able = np.isin(family, [GRIPPER, RING], invert=True) | np.isin(family, demands.abilities)
+    part = np.repeat(np.arange(len(parts)), [len(one.tv) for one in parts])
+    return Pool(parts, part, number, family, able, values, limits, excess, missed, counts, untidy)
 
 
 def picked(
     pool: Pool, demands: ResetDemands, firm: float = FIRM[0]
-) -> tuple[list[tuple[str, ResetStrategy]], tuple[str, ...]]:
-    """The rows to tell, by role, the chosen one first, and the demands that it misses by the search's numbers."""
-    family, able = _able(pool, demands)
-    excess, after = _excess(pool), pool.values[AFTER]
+) -> tuple[list[tuple[str, ResetStrategy]], tuple[Limit, ...]]:
+    """The rows to tell, by role, the chosen one first, and the demands that it misses by the search's numbers.
+
+    Of these demands the best that any candidate without a gripper reaches.
+    """
+    able, excess, after = pool.able, pool.missed, pool.values[AFTER]
     meets = able & (excess == 0.0)
     simple = pool.actions + 1e-3 * pool.untidy
     if meets.any():
@@ -196,28 +192,17 @@ def picked(
     if meets.any():
         roles.append((CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: pool.values[SECONDS][i])))
     for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER)):
-        ones = np.flatnonzero(family == name)
+        ones = np.flatnonzero(pool.family == name)
         if ones.size:
             # Of those that meet the demands the fewest actions, else the most uniform.
             within = ones[excess[ones] == 0.0]
             ones = within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
             roles.append((role, min(ones.tolist(), key=lambda i: after[i])))
-    misses = tuple(name for name in pool.limits if pool.excess(name)[best] > 0.0)
-    return [(role, pool.strategy(index)) for role, index in roles], misses
-
-
-def any_meets(pool: Pool, demands: ResetDemands) -> bool:
-    """Return whether any candidate that the robot can do meets every demand."""
-    return bool((_able(pool, demands)[1] & (_excess(pool) == 0.0)).any())
-
-
-def _able(pool: Pool, demands: ResetDemands) -> tuple[NDArray[np.str_], NDArray[np.bool_]]:
-    family = np.array([one.source.family for one in pool.parts])[pool.part]
-    return family, np.isin(family, [GRIPPER, RING], invert=True) | np.isin(family, demands.abilities)
-
-
-def _excess(pool: Pool) -> Array:
-    return np.asarray(np.maximum(np.array([pool.excess(name) for name in pool.limits]), 0.0).sum(axis=0))
+    limits = []
+    for name in (name for name, excess_of in pool.excess.items() if excess_of[best] > 0.0):
+        least = int(np.argmin(np.where(pool.family == GRIPPER, np.inf, pool.excess[name])))
+        limits.append(Limit(name, float(pool.values[name][least]), pool.strategy(least)))
+    return [(role, pool.strategy(index)) for role, index in roles], tuple(limits)
 
 
 def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
@@ -227,10 +212,3 @@ def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int
     chosen = chosen[after[chosen] <= after[chosen].min() + tell]
     chosen = chosen[time[chosen] <= _SAME_COST * time[chosen].min()]
     return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))
-
-
-def least_of(pool: Pool, name: str) -> Limit:
-    """Return the best that any candidate without a gripper reaches of one demand."""
-    family = np.array([one.source.family for one in pool.parts])[pool.part]
-    index = int(np.argmin(np.where(family == GRIPPER, np.inf, pool.excess(name))))
-    return Limit(name, float(pool.values[name][index]), pool.strategy(index))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -17,7 +17,7 @@ from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import Material, Polygon
 from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
 from cyclemap.resets.design.material_range import MaterialRange
-from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, repeated, total_variation
+from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, total_variation
 from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy, gripper_turns, legs
 
 FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
@@ -46,7 +46,7 @@ class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
     family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the loop's. turns : on all
-    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M, 2M + 1).
+    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M + 1, 2M + 1).
     """
 
     family: str
@@ -70,27 +70,6 @@ class Candidates:
     tv: Array
     after: Array
 
-    @property
-    def sizes(self) -> NDArray[np.int64]:
-        """How many actions each mixture has, (n,)."""
-        return np.asarray((self.shares > 0.0).sum(axis=1))
-
-    @property
-    def equal(self) -> NDArray[np.bool_]:
-        """Whether all of its actions come equally often, (n,)."""
-        largest = self.shares.max(axis=1)
-        return np.asarray(np.abs(self.shares.sum(axis=1) - self.sizes * largest) < 1e-9)
-
-    @property
-    def contact(self) -> Array:
-        """The shortest contact (m) of any of its pushes, (n,)."""
-        return np.asarray(np.where(self.shares > 0.0, self.source.contact, np.inf).min(axis=1))
-
-    @property
-    def drag_length(self) -> Array:
-        """The mean drag (m), (n,), on the nominal material."""
-        return np.asarray(self.shares @ self.source.turns.drag_length[0])
-
     def strategy(self, index: int) -> ResetStrategy:
         """Return one of them as a strategy, actions in random order."""
         chosen = np.flatnonzero(self.shares[index])
@@ -98,17 +77,19 @@ class Candidates:
         weights = self.shares[index][chosen] / self.shares[index][chosen].min()
         return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
 
-    def joined(self, others: Candidates) -> Candidates:
-        """Return these and others of the same set."""
-        stacked = (np.concatenate([getattr(self, n), getattr(others, n)]) for n in ("shares", "tv", "after"))
-        return Candidates(self.source, *stacked)
 
+def own_pushes(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> list[Candidates]:
+    """Return what can be done with the loop's own push.
 
-def gripper_turned(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
-    """Return the loop's own cycle followed by a gripper's turn: of half, quarter or 10° turns."""
-    made = _action_set(GRIPPER, loop, gripper_turns(36), about.searched, sigma)
+    It is dragged back by legs of two lengths, each in eight directions drawn at random; or followed by a gripper's
+    turn, of half, quarter or 10° turns.
+    """
+    actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
+    dragged = _action_set("way back", loop, actions, about.searched, sigma)
+    each = np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS))
+    turned = _action_set(GRIPPER, loop, gripper_turns(36), about.searched, sigma)
     shares = np.array([[float(step % (36 // count) == 0) / count for step in range(36)] for count in (2, 4, 36)])
-    return scored(made, shares, within)
+    return [scored(dragged, each, within), scored(turned, shares, within)]
 
 
 def push_set(
@@ -136,7 +117,12 @@ def push_set(
     near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
     places = product(sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles)
     actions = [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
-    possible = [action for action in actions if _can_be(prepared, action)]
+    possible = []
+    for action in actions:
+        # The object may not allow it: in a concave corner, or running into two sides.
+        with suppress(CycleMapError):
+            action.on(prepared).cycle(0.0)
+            possible.append(action)
     held = contact_lengths(prepared, possible)
     kept = [action for action, contact in zip(possible, held, strict=True) if contact >= least_contact]
     if not kept:
@@ -155,13 +141,6 @@ def push_set(
     return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
 
 
-def random_legs(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
-    """Return the loop's own push dragged back by legs of two lengths, each in eight directions drawn at random."""
-    actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
-    made = _action_set("way back", loop, actions, about.searched, sigma)
-    return scored(made, np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS)), within)
-
-
 def searched(source: ActionSet, within: int, progress: Callable[[float], None]) -> Candidates:
     """Return the best mixtures of at most four actions, over the whole range.
 
@@ -169,25 +148,43 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
     actions and the best 150 of three and of four on all materials; then the best 40 of two or three with all weights
     of one to three parts.
     """
-    count, rough = len(source.actions), _rough_look(source)
-    found = Candidates(source, np.empty((0, count)), np.empty(0), np.empty(0))
+    # Roughly: on the nominal material and the two farthest away, with fewer harmonics.
+    turn, chosen = source.turns.turn, [0]
+    while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
+        apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
+        chosen.append(int(np.argmax(apart)))
+    kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES), 2 * _MODES]
+    count = len(source.actions)
+    rough = replace(source, kernels=source.kernels[np.ix_(chosen, range(count), kept, kept)])
+    found = []
     for size in range(1, min(MOST_TOGETHER, count) + 1):
         subsets = np.array(list(combinations(range(count), size)))
         shares = np.zeros((len(subsets), count))
         np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
-        tv = _worst(rough, shares, None)[0]
-        found = found.joined(
-            scored(source, shares[np.argsort(tv, kind="stable")[: _KEPT if size > 2 else None]], within)
-        )
+        order = np.argsort(scored(rough, shares).tv, kind="stable")
+        found.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    few = np.flatnonzero((found.sizes > 1) & (found.sizes < MOST_TOGETHER))
-    best = few[np.argsort(found.after[few], kind="stable")[:_WEIGHED]]
-    return found.joined(scored(source, _weighed(found.shares[best]), within))
+    few = [one for size, one in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
+    if few:
+        shares, after = (np.concatenate([getattr(one, name) for one in few]) for name in ("shares", "after"))
+        found.append(scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within))
+    stacked = (np.concatenate([getattr(one, name) for one in found]) for name in ("shares", "tv", "after"))
+    return Candidates(source, *stacked)
 
 
-def scored(source: ActionSet, shares: Array, within: int) -> Candidates:
-    """Return mixtures with the given shares (n, k), over the whole range."""
-    return Candidates(source, shares, *_worst(source, shares, within))
+def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candidates:
+    """Return mixtures with the given shares (n, k) and their total variations at the worst of the range.
+
+    Without `within` those after so many pushes are not looked at.
+    """
+    tv, after = np.zeros(len(shares)), np.zeros(len(shares))
+    for kernels in source.kernels:
+        for rows in np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE)) if len(shares) else ():
+            mixed = np.tensordot(shares[rows], kernels, axes=1)
+            tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
+            if within is not None:
+                after[rows] = np.maximum(after[rows], farthest(np.linalg.matrix_power(mixed, within), _STARTS, _PLACES))
+    return Candidates(source, shares, tv, after)
 
 
 def _action_set(
@@ -203,15 +200,6 @@ def _action_set(
     return ActionSet(family, actions, hitch, turns, contact_lengths(loop, actions), kernels)
 
 
-def _can_be(loop: CollectionLoop, action: CycleAction) -> bool:
-    """Whether the object allows the push: not in a concave corner, nor one that runs into two sides."""
-    try:
-        action.on(loop).cycle(0.0)
-    except CycleMapError:
-        return False
-    return True
-
-
 def _weighed(shares: Array) -> Array:
     """The mixtures with unequal weights of one to three parts for each of their actions."""
     rows = []
@@ -223,28 +211,3 @@ def _weighed(shares: Array) -> Array:
                 made[chosen] = np.array(parts) / sum(parts)
                 rows.append(made)
     return np.array(rows).reshape(-1, shares.shape[1])
-
-
-def _rough_look(source: ActionSet) -> ActionSet:
-    """The same actions on the nominal material and the two farthest away, with fewer harmonics."""
-    turn, chosen = source.turns.turn, [0]
-    while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
-        apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
-        chosen.append(int(np.argmax(apart)))
-    kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES)]
-    return replace(source, kernels=source.kernels[np.ix_(chosen, range(turn.shape[1]), kept, [*kept, 2 * _MODES])])
-
-
-def _worst(source: ActionSet, shares: Array, within: int | None) -> tuple[Array, Array]:
-    """The total variations of mixtures (n, k) at the worst of the range: in the long run, and after `within` pushes.
-
-    Without `within` the latter are not looked at.
-    """
-    tv, after = np.zeros(len(shares)), np.zeros(len(shares))
-    for kernels in source.kernels:
-        for rows in np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE)) if len(shares) else ():
-            mixed = np.tensordot(shares[rows], kernels, axes=1)
-            tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
-            if within is not None:
-                after[rows] = np.maximum(after[rows], farthest(repeated(mixed, within), _STARTS, _PLACES))
-    return tv, after

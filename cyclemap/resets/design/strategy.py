@@ -387,13 +387,10 @@ def independent_distance(pushes: int) -> float:
     >>> round(independent_distance(500), 4)
     0.1053
     """
+    from scipy.stats import binom
+
     count, chance = whole_number("pushes", pushes, least=1), 1.0 / BINS
-    most = math.floor(count * chance) + 1
-    logs = [
-        math.lgamma(count + 1) - math.lgamma(most + 1) - math.lgamma(count - most + 1),
-        most * math.log(chance),
-        (count - most) * math.log1p(-chance),
-    ]
     # E|K - np| = 2 (1 - p) m P(K = m), m = floor(np) + 1.
-    deviation = 2.0 * (1.0 - chance) * most * math.exp(sum(logs)) if most <= count else 2.0 * chance * (1.0 - chance)
+    most = math.floor(count * chance) + 1
+    deviation = 2.0 * (1.0 - chance) * most * float(binom.pmf(most, count, chance))
     return 0.5 * BINS * deviation / count

@@ -26,21 +26,14 @@ class ResetEffect:
     """What the resets of a data set did to the orientation, over n of them.
 
     push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
+    undone : share of the mean turn of a push that the reset takes back; 1: all of it. slope : of a reset's turn on its
+    push's, -1 where it undoes each push, 0 where it knows none.
     """
 
     push_turn: Array
     reset_turn: Array
-
-    @property
-    def undone(self) -> float:
-        """Share of the mean turn of a push that the reset takes back; 1: all of it."""
-        return float(-self.reset_turn.mean() / self.push_turn.mean())
-
-    @property
-    def slope(self) -> float:
-        """Of a reset's turn on its push's: -1 where it undoes each push, 0 where it knows none."""
-        spread = float(np.var(self.push_turn, ddof=1))
-        return float(np.cov(self.push_turn, self.reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
+    undone: float
+    slope: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,5 +138,8 @@ def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffec
     reset = None
     if len(followed) >= FEWEST:
         before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
-        reset = ResetEffect(after - before, then - after)
+        push_turn, reset_turn = after - before, then - after
+        spread = float(np.var(push_turn, ddof=1))
+        slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
+        reset = ResetEffect(push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope)
     return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.polynomial.polynomial import polyval
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 
@@ -30,7 +30,7 @@ _PEAK_KERNEL = math.radians(25.0)
 
 @dataclass(frozen=True)
 class RestRule:
-    """What counts as a rest.
+    """What counts as a rest. A steady climb slower than 2 half_width / (window + 1) a push, 1.2°, lingers, too.
 
     half_width : rad, below π/4. window : how many pushes a rest must have lasted before it is betted on.
     longest_period : rests on cycles of up to this many directions are looked for.
@@ -39,15 +39,6 @@ class RestRule:
     half_width: float = math.radians(3.0)
     window: int = 4
     longest_period: int = 4
-
-    @property
-    def slowest_climb(self) -> float:
-        """Rad a push: a steady climb slower than this lingers so long that it counts as a rest.
-
-        >>> round(math.degrees(RestRule().slowest_climb), 2)
-        1.2
-        """
-        return 2.0 * self.half_width / (self.window + 1)
 
 
 class RestEvidence:
@@ -64,15 +55,17 @@ class RestEvidence:
     Ramdas, Grünwald, Vovk & Shafer 2023).
     """
 
-    def __init__(self, rule: RestRule) -> None:
+    def __init__(self, rule: RestRule, first: int = 0) -> None:
+        """first : number of the first push that will be fed."""
         self.rule = rule
         periods = np.arange(1, rule.longest_period + 1)
         self._shares = (1.0 / periods**2) / np.sum(1.0 / periods**2)
         self._log_stakes = np.full((periods.size, _RATES.size), -np.inf)
         self._bets = np.zeros(periods.size, dtype=np.int64)
         self._recent: list[complex] = []
-        self._pushes = 0
-        self._runs: list[RestingRun | None] = [None] * periods.size
+        self._pushes = first
+        # Of each period the push at which the rest under way began, and a path for each of its directions.
+        self._runs: list[tuple[int, list[DirectionTrack]] | None] = [None] * periods.size
 
     @property
     def log_evidence(self) -> float:
@@ -87,7 +80,10 @@ class RestEvidence:
             return None
         wealth = self._log_wealth() + np.log(self._shares)
         run = self._runs[max(active, key=lambda index: float(wealth[index]))]
-        return None if run is None else run.rest()
+        assert run is not None
+        began, tracks = run
+        present, limits = ([getattr(one, name) % TWO_PI % TWO_PI for one in tracks] for name in ("present", "limit"))
+        return Rest(began, tuple(present), tuple(limits))
 
     def add(self, theta: float) -> None:
         """Take the next θ0 (rad, any number of turns): settle the bets on it."""
@@ -110,14 +106,17 @@ class RestEvidence:
         new = -math.log(self._bets[index] * (self._bets[index] + 1))
         factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)
         self._log_stakes[index] = np.logaddexp(self._log_stakes[index], new) + factor
-        run, period = self._runs[index], index + 1
+        run, period, fresh = self._runs[index], index + 1, [point]
         if not hit:
             self._runs[index] = None
-        elif run is None:
-            reach, scatter = self.rule.window * period, _WANDER
-            self._runs[index] = RestingRun(self._pushes - reach, period, [*self._recent[-reach:], point], scatter)
-        else:
-            run.add(point)
+            return
+        if run is None:
+            reach = self.rule.window * period
+            run = self._runs[index] = self._pushes - reach, [DirectionTrack(_WANDER) for _ in range(period)]
+            fresh = [*self._recent[-reach:], point]
+        began, tracks = run
+        for number, one in enumerate(fresh, self._pushes + 1 - len(fresh)):
+            tracks[(number - began) % period].add(math.atan2(one.imag, one.real))
 
     def _log_wealth(self) -> Array:
         """Per period: what the stakes have become, and what is still unspent."""
@@ -138,27 +137,7 @@ class Rest:
     towards: tuple[float, ...]
 
 
-class RestingRun:
-    """An uninterrupted run of pushes at rest, followed place by place of its period."""
-
-    def __init__(self, began: int, period: int, points: list[complex], scatter: float) -> None:
-        """``points`` : unit complex numbers, the first pushes; ``scatter`` : rad, how far a rest may wander."""
-        self._began, self._period, self._pushes = began, period, 0
-        self._tracks = [DirectionTrack(scatter) for _ in range(period)]
-        for point in points:
-            self.add(point)
-
-    def add(self, point: complex) -> None:
-        """Take the next push."""
-        self._tracks[self._pushes % self._period].add(math.atan2(point.imag, point.real))
-        self._pushes += 1
-
-    def rest(self) -> Rest:
-        """Where it rests by now."""
-        present = tuple(track.present % TWO_PI % TWO_PI for track in self._tracks)
-        return Rest(self._began, present, tuple(track.limit % TWO_PI % TWO_PI for track in self._tracks))
-
-
+@dataclass
 class DirectionTrack:
     """A path that settles: its present place, and the limit of the linear law θ' = θ + s·(limit - θ) fitted to it.
 
@@ -173,36 +152,34 @@ class DirectionTrack:
     1.0
     """
 
-    def __init__(self, scatter: float) -> None:
-        self._prior = scatter**2
-        self._start = self._last = self.present = 0.0
-        # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from the start.
-        self._count = self._x = self._y = self._xx = self._xy = 0.0
-        self._begun = False
+    scatter: float
+    present: float = 0.0
+    start: float | None = None
+    last: float = 0.0
+    # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from the start.
+    sums: tuple[float, ...] = (0.0,) * 5
 
     def add(self, theta: float) -> None:
         """Take the next place (rad); steps are the shorter way round."""
-        if not self._begun:
-            self._begun, self._start, self._last, self.present = True, theta, theta, theta
+        if self.start is None:
+            self.start = self.last = self.present = theta
             return
-        step = float(shorter_way(theta - self._last))
-        x = self._last - self._start
-        sums = (self._count, self._x, self._y, self._xx, self._xy)
+        step, x = float(shorter_way(theta - self.last)), self.last - self.start
         news = (1.0, x, step, x * x, x * step)
-        fresh = (_MEMORY * old + new for old, new in zip(sums, news, strict=True))
-        self._count, self._x, self._y, self._xx, self._xy = fresh
-        self._last += step
-        self.present = _PRESENT * self.present + (1.0 - _PRESENT) * self._last
+        self.sums = tuple(_MEMORY * old + new for old, new in zip(self.sums, news, strict=True))
+        self.last += step
+        self.present = _PRESENT * self.present + (1.0 - _PRESENT) * self.last
 
     @property
     def limit(self) -> float:
         """Where the path settles, rad, not wrapped."""
-        if self._count == 0.0:
+        count, sum_x, sum_y, sum_xx, sum_xy = self.sums
+        if self.start is None or count == 0.0:
             return self.present
-        x, y = self._x / self._count, self._y / self._count
-        covariance, variance = self._xy - self._count * x * y, self._xx - self._count * x * x
-        pull = min(max(-covariance / (variance + self._prior), _LEAST_PULL), 1.0)
-        return self._start + x + y / pull
+        x, y = sum_x / count, sum_y / count
+        covariance, variance = sum_xy - count * x * y, sum_xx - count * x * x
+        pull = min(max(-covariance / (variance + self.scatter**2), _LEAST_PULL), 1.0)
+        return self.start + x + y / pull
 
 
 class VisitLaw:
@@ -213,23 +190,20 @@ class VisitLaw:
         # The first harmonic left out weighs exp(-12.5), under 4e-6.
         self._weights = np.exp(-0.5 * (kernel * np.arange(1, math.ceil(5.0 / kernel) + 1)) ** 2)
         self._moments = np.zeros(self._weights.size, dtype=np.complex128)
-        self._visits = 0.0
-
-    @property
-    def visits(self) -> float:
-        """How many visits are remembered, old ones counted less."""
-        return self._visits
+        # Those that are remembered, old ones counted less.
+        self.visits = 0.0
 
     def add(self, theta: Array, kept: float = 1.0) -> None:
         """Take visits ``theta`` (n,) rad, after forgetting all but the share ``kept`` of the older ones."""
         order = np.arange(1, self._moments.size + 1)
         self._moments = kept * self._moments + np.exp(-1j * np.multiply.outer(order, theta)).sum(axis=1)
-        self._visits = kept * self._visits + theta.size
+        self.visits = kept * self.visits + theta.size
 
     def ratio(self, theta: Any) -> Array:
         """The density at ``theta`` (rad, any shape) over that of the uniform law; at least about 0.1."""
-        series = _fourier_sum(self._weights * self._moments, theta)
-        learned = (_PRIOR + self._visits + 2.0 * series) / (_PRIOR + self._visits)
+        point = np.exp(1j * np.asarray(theta, dtype=np.float64))
+        series = polyval(point, np.append(0.0, self._weights * self._moments)).real
+        learned = (_PRIOR + self.visits + 2.0 * series) / (_PRIOR + self.visits)
         return np.asarray(_FLOOR + (1.0 - _FLOOR) * np.maximum(learned, 0.0), dtype=np.float64)
 
     def peak(self) -> float:
@@ -237,16 +211,7 @@ class VisitLaw:
         order = np.arange(1, self._moments.size + 1)
         grid = np.arange(720) * (math.pi / 360.0)
         smoothed = np.minimum(self._weights, np.exp(-0.5 * (_PEAK_KERNEL * order) ** 2)) * self._moments
-        return float(grid[int(np.argmax(_fourier_sum(smoothed, grid)))])
-
-
-def _fourier_sum(coefficients: NDArray[np.complex128], theta: Any) -> Array:
-    """The real part of Σ c_j exp(ijθ), j from 1, by Horner's rule."""
-    point = np.exp(1j * np.asarray(theta, dtype=np.float64))
-    series = np.zeros_like(point)
-    for coefficient in coefficients[::-1]:
-        series = (series + coefficient) * point
-    return np.asarray(series.real, dtype=np.float64)
+        return float(grid[int(np.argmax(polyval(np.exp(1j * grid), np.append(0.0, smoothed)).real))])
 
 
 class VisitEvidence:
@@ -283,7 +248,10 @@ class VisitEvidence:
             if self.law.visits > 0.0:
                 self._blocks += 1
                 new = -math.log(self._blocks * (self._blocks + 1))
-                likelihoods = np.log(self.law.ratio(self._orders_of(path))).sum(axis=1)
+                # The visits of the recorded order, then of others.
+                turns = np.tile(np.diff(path), (self._orders + 1, 1))
+                turns[1:] = self._random.permuted(turns[1:], axis=1)
+                likelihoods = np.log(self.law.ratio(path[0] + np.cumsum(turns, axis=1))).sum(axis=1)
                 raised = np.multiply.outer(_POWERS, likelihoods)
                 log_mean = np.logaddexp.reduce(raised, axis=1) - math.log(raised.shape[1])
                 self._log_stakes = np.logaddexp(self._log_stakes, new) + raised[:, 0] - log_mean
@@ -296,9 +264,3 @@ class VisitEvidence:
         law = copy.copy(self.law)
         law.add(np.array(self._waiting[1:] if self.law.visits > 0.0 else self._waiting))
         return law.peak()
-
-    def _orders_of(self, path: Array) -> Array:
-        """Shape (orders + 1, block): the visits of a block, the recorded order first."""
-        turns = np.tile(np.diff(path), (self._orders + 1, 1))
-        turns[1:] = self._random.permuted(turns[1:], axis=1)
-        return np.asarray(path[0] + np.cumsum(turns, axis=1), dtype=np.float64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 from cyclemap.checks import finite_number
@@ -89,7 +89,7 @@ class BiasMonitor:
       at random;
     - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°), comes back within
       ``half_width`` with chance ½ at most: independent uniform θ0, turns that scatter by 3.3° or more, and steady walks
-      faster than ``RestRule.slowest_climb``, 1.2° a push: at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
+      faster than 1.2° a push (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
 
     What is slower, or comes round to the very same two, three or four directions, does raise the alarm: its law may be
     even in the long run, but its next hundred pushes repeat the last ones.
@@ -111,22 +111,17 @@ class BiasMonitor:
         if not 0.0 < finite_number("alarm_rate", alarm_rate) < 1.0:
             raise InvalidInput(f"alarm_rate must lie between 0 and 1, such as 0.01, not {alarm_rate!r}")
         self.alarm_rate = alarm_rate
-        self._coverage = Coverage()
+        # Over all resets used.
+        self.coverage = Coverage()
         self._path: list[float] = []
         self._worth = [0.0]
-        self._changed = 0
         self._alarm: Alarm | None = None
-        self._begin()
+        self.reset_changed()
 
     @property
     def path(self) -> tuple[float, ...]:
         """The orientations fed since the reset was last changed, rad, as they were given."""
         return tuple(self._path[self._changed :])
-
-    @property
-    def coverage(self) -> Coverage:
-        """What is covered, over all resets used."""
-        return self._coverage
 
     def update(self, theta: float) -> BiasReport:
         """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the collection stands.
@@ -143,10 +138,16 @@ class BiasMonitor:
         self._path.append(angle)
         self._rest.add(angle)
         self._visits.add(angle)
-        self._coverage.add(angle)
-        self._worth.append(self._coverage.effective_pushes)
+        self.coverage.add(angle)
+        self._worth.append(self.coverage.effective_pushes)
         del self._worth[: -RECENT - 1]
-        self._alarm = self._alarm or self._raised()
+        if self._alarm is None:
+            threshold, push = math.log(2.0 / self.alarm_rate), len(self._path) - 1
+            rest = self._rest.rest if self._rest.log_evidence >= threshold else None
+            if rest is not None:
+                self._alarm = Alarm(push, "rest", rest.towards, rest.began)
+            elif self._visits.log_evidence >= threshold:
+                self._alarm = Alarm(push, "visits", (self._visits.peak(),), None)
         return self.report
 
     def reset_changed(self) -> None:
@@ -156,12 +157,15 @@ class BiasMonitor:
         holds for each reset used. What has been covered stays covered.
         """
         self._changed = len(self._path)
-        self._begin()
+        self._rest = RestEvidence(_RULE, self._changed)
+        # Another stream of shuffles for each reset: none is used twice.
+        self._visits = VisitEvidence(seed=self._changed)
+        self._alarm = None
 
     @property
     def report(self) -> BiasReport:
         """Where the collection stands."""
-        rest, coverage = self._counted(self._rest.rest), self._coverage.state()
+        rest, coverage = self._rest.rest, self.coverage.state()
         # Told where it has lasted twice the window; a single hit may be chance.
         if rest is not None and len(self._path) - rest.began < 2 * _RULE.window * len(rest.directions):
             rest = None
@@ -174,31 +178,11 @@ class BiasMonitor:
             rest=rest,
             useful_pushes=None
             if rest is None or self._alarm is None
-            else self._coverage.useful_repeats(rest.directions, LEAST_GAIN),
+            else self.coverage.useful_repeats(rest.directions, LEAST_GAIN),
             recent_worth=(coverage.effective_pushes - self._worth[0]) / max(len(self._worth) - 1, 1),
             coverage=coverage,
             advice=Advice(self._alarm is not None, coverage.least_covered),
         )
-
-    def _begin(self) -> None:
-        self._rest = RestEvidence(_RULE)
-        # Another stream of shuffles for each reset: none is used twice.
-        self._visits = VisitEvidence(seed=self._changed)
-        self._alarm = None
-
-    def _raised(self) -> Alarm | None:
-        threshold, push = math.log(2.0 / self.alarm_rate), len(self._path) - 1
-        if self._rest.log_evidence >= threshold:
-            rest = self._counted(self._rest.rest)
-            if rest is not None:
-                return Alarm(push, "rest", rest.towards, rest.began)
-        if self._visits.log_evidence >= threshold:
-            return Alarm(push, "visits", (self._visits.peak(),), None)
-        return None
-
-    def _counted(self, rest: Rest | None) -> Rest | None:
-        """A rest counted from the first push fed, not from the last change of the reset."""
-        return None if rest is None else replace(rest, began=rest.began + self._changed)
 
 
 def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[BiasReport, ...]:

@@ -114,7 +114,13 @@ class Coverage:
 
     def state(self) -> CoverageState:
         """What is covered by now; before the first push nothing is, and every direction tells as much."""
-        gap, centre = _largest_gap(self._visited)
+        # The widest arc between neighbouring visited cells; the whole circle before any.
+        gap, centre, cells = TWO_PI, 0.0, np.flatnonzero(self._visited)
+        if cells.size:
+            gaps = np.diff(np.append(cells, cells[0] + CELLS))
+            widest = int(np.argmax(gaps))
+            gap = float(gaps[widest]) * (TWO_PI / CELLS)
+            centre = (float(_CENTRES[cells[widest]]) + 0.5 * gap) % TWO_PI
         best = float(self._information(self._coarse).max())
         here = best if self._last is None else float(self._information(self._last))
         return CoverageState(
@@ -143,17 +149,6 @@ def _columns(theta: Any) -> Array:
     columns = fourier_columns(theta, HARMONICS)
     columns[..., 1:] *= math.sqrt(2.0)
     return columns
-
-
-def _largest_gap(visited: NDArray[np.bool_]) -> tuple[float, float]:
-    """Width and middle (rad) of the widest arc between neighbouring visited cells; the whole circle before any."""
-    cells = np.flatnonzero(visited)
-    if cells.size == 0:
-        return TWO_PI, 0.0
-    gaps = np.diff(np.append(cells, cells[0] + CELLS))
-    widest = int(np.argmax(gaps))
-    width = float(gaps[widest]) * (TWO_PI / CELLS)
-    return width, (float(_CENTRES[cells[widest]]) + 0.5 * width) % TWO_PI
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import hashlib
 import math
 import stat
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
@@ -37,16 +37,11 @@ class NewOrientations:
     guessed: bool = False
 
 
-class Theta0Feed(Protocol):
-    """A source of orientations, one a push, in the order of the pushes."""
-
-    def look(self, finished: bool = False) -> NewOrientations:
-        """The orientations added since the last look; ``finished``: nothing more is being written."""
-        ...
-
-
 def theta0_feed(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> Theta0Feed:
     """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
+
+    Its ``look(finished=False)`` gives the orientations added since the last look, one a push, in the order of the
+    pushes; ``finished``: nothing more is being written.
 
     columns, units : of a table of one's own, as `read_own_table` takes them; other data are told by themselves.
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
@@ -166,16 +161,18 @@ class Theta0CsvFeed:
         return [theta]
 
 
+@dataclass
 class OwnTableFeed:
     """The orientations of a table with other columns.
 
     It is read whole whenever it has changed: where its first rows are no longer what they were, it began anew.
     """
 
-    def __init__(self, path: Path, columns: Mapping[str, str], units: Sequence[str]) -> None:
-        self.path, self._asked = path, (columns, units)
-        self._fed: tuple[float, ...] = ()
-        self._seen: tuple[int, int] | None = None
+    path: Path
+    columns: Mapping[str, str]
+    units: Sequence[str]
+    _fed: tuple[float, ...] = ()
+    _seen: tuple[int, int] | None = None
 
     def look(self, finished: bool = False) -> NewOrientations:
         """The θ0 of the rows added since the last look; DataFileError where `read_orientations` raises it.
@@ -191,13 +188,14 @@ class OwnTableFeed:
         now = (status.st_size, status.st_mtime_ns)
         if not finished and (now == self._seen or (self.path.is_file() and self.path.read_bytes().count(b"\n") < 2)):
             return NewOrientations(())
-        found = read_orientations(self.path, *self._asked, growing=not finished)
+        found = read_orientations(self.path, self.columns, self.units, growing=not finished)
         theta, fed = tuple(found.columns["theta0"].tolist()), self._fed
         self._seen, self._fed = now, theta
         anew = theta[: len(fed)] != fed
         return NewOrientations(theta if anew else theta[len(fed) :], anew, found.words, found.guessed)
 
 
+@dataclass
 class PushFolderFeed:
     """The first orientation of each recorded push in a folder (MIT layout), by repetition, then by name.
 
@@ -206,11 +204,10 @@ class PushFolderFeed:
     ``finished``, it is an error. Between two looks the folder may be away; once it is back it is read from its start.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self._taken: set[Path] = set()
-        self._doubtful: tuple[Path, int, int] | None = None
-        self._dropped = False
+    path: Path
+    _taken: set[Path] = field(default_factory=set)
+    _doubtful: tuple[Path, int, int] | None = None
+    _dropped: bool = False
 
     def look(self, finished: bool = False) -> NewOrientations:
         """The θ0 of the files added since the last look, none while the folder is away.
@@ -219,7 +216,16 @@ class PushFolderFeed:
         ``finished``: also for a link to nothing, and for a folder that is absent or holds no push.
         """
         try:
-            fresh = self._fresh_files(finished)
+            named = (file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES)
+            found = [f for f in named if f not in self._taken and not f.name.endswith(UNFINISHED_SUFFIX)]
+            nowhere = next((file for file in found if file.is_symlink() and not file.exists()), None)
+            if finished and nowhere is not None:
+                raise DataFileError(
+                    f"{nowhere}: a link to a file that is not there; restore the file or remove the link"
+                )
+            facts = [(file, push_facts(file) or PushFacts()) for file in found if file.is_file()]
+            numbered = [(math.inf if math.isnan(one.repetition) else one.repetition, file.name) for file, one in facts]
+            fresh = [self.path / name for _, name in sorted(numbered)]
         except FileNotFoundError as error:
             if finished:
                 raise DataFileError(f"{self.path}: there is no such folder; check the path") from error
@@ -257,14 +263,6 @@ class PushFolderFeed:
             theta += [float(record.start[2])] if isinstance(record, PushRecord) else []
         return tuple(theta)
 
-    def _fresh_files(self, finished: bool) -> list[Path]:
-        named = [file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES and file not in self._taken]
-        found = [file for file in named if not file.name.endswith(UNFINISHED_SUFFIX)]
-        nowhere = next((file for file in found if file.is_symlink() and not file.exists()), None)
-        if finished and nowhere is not None:
-            raise DataFileError(f"{nowhere}: a link to a file that is not there; restore the file or remove the link")
-        return sorted((file for file in found if file.is_file()), key=_place_in_series)
-
     def _stale(self, file: Path) -> bool:
         """True where the file is as it was at the look before; not where it has gone."""
         try:
@@ -276,6 +274,4 @@ class PushFolderFeed:
         return now == before
 
 
-def _place_in_series(file: Path) -> tuple[float, str]:
-    repetition = (push_facts(file) or PushFacts()).repetition
-    return (math.inf if math.isnan(repetition) else repetition, file.name)
+Theta0Feed = Theta0CsvFeed | OwnTableFeed | PushFolderFeed

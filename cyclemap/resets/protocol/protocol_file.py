@@ -13,7 +13,7 @@ from cyclemap.collection.setting_table import Settings
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
+from cyclemap.resets.design.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
 from cyclemap.text_files import read_toml, write_whole
 
 Prediction = Mapping[str, object]
@@ -35,14 +35,12 @@ def write_protocol(
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
 
-    The file holds the robot's side of the loop as --set keys (see `loop_tables`; the surface is named in a comment
-    only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy.
-    Its first line is a checksum of the rest.
-    noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers,
-    texts, booleans, lists of them; None is left out), a table that readers pass over.
+    The file holds the robot's side of the loop as --set keys (the surface is named in a comment only), and the strategy
+    in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy. Its first line is a
+    checksum of the rest. noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers, texts,
+    booleans, lists of them; None is left out), a table that readers pass over.
 
-    Raises InvalidInput for a loop that settings cannot say, OSError where the file
-    cannot be written.
+    Raises InvalidInput for a loop that settings cannot say, OSError where the file cannot be written.
 
     >>> import tempfile
     >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
@@ -102,9 +100,6 @@ def _check_prediction(table: object) -> None:
             raise InvalidInput(f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}")
 
 
-# -- the strategy -----------------------------------------------------------------------------------------------
-
-
 _PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
 ACTION_KEYS = ("weight", "side", *_PUSH_UNITS, "way_points_mm", "gripper_turn_deg")
 STRATEGY_KEYS = ("order", "block", "hitch_mm", "actions")
@@ -145,9 +140,6 @@ def _strategy(table: object) -> ResetStrategy:
         rows = given["actions"]
         if not isinstance(rows, list) or not rows:
             raise InvalidInput("actions must be one or more tables [[strategy.actions]]")
-        order = given.get("order", RANDOM)
-        if order not in ORDERS:
-            raise InvalidInput(f"order = {order!r}: it must be one of {', '.join(ORDERS)}")
         block = None if "block" not in given else whole_number("block", given["block"], least=1)
         hitch = None if "hitch_mm" not in given else _point("hitch_mm", given["hitch_mm"])
     actions, weights = [], []
@@ -160,9 +152,7 @@ def _strategy(table: object) -> ResetStrategy:
     with located("[strategy]"):
         if len(told) not in (0, len(weights)):
             raise InvalidInput(f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or none")
-        if told and order == IN_TURN:
-            raise InvalidInput(f"actions {IN_TURN} have no weight: leave it out, or take order {RANDOM} or {SHUFFLED}")
-        return ResetStrategy(tuple(actions), tuple(told) or None, str(order), block, hitch)
+        return ResetStrategy(tuple(actions), tuple(told) or None, str(given.get("order", RANDOM)), block, hitch)
 
 
 def _action(row: object) -> tuple[CycleAction, float | None]:

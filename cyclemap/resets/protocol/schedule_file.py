@@ -6,22 +6,22 @@ import csv
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from itertools import pairwise
 from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, check_checksum, decimal_text, located, with_checksum
 from cyclemap.mechanics import SidePush
-from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns, write_whole
 
 PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
 TURN_COLUMN = "gripper_turn_deg"
+_LEG_COLUMNS = ("way_point_{}_x_mm", "way_point_{}_y_mm", "leg_{}_direction_deg", "leg_{}_mm")
 # Told twice, as way-points and as legs: how far the two may be apart (mm).
 _AGREE_MM = 1e-6
 _DECIMALS = 9
@@ -76,61 +76,33 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
     starts: dict[SidePush, list[str]] = {}
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(_header(legs))
+    writer.writerow(_columns(legs))
     for cycle, action in enumerate(actions):
-        assert action.push is not None and action.way_points is not None
-        if action.push not in starts:
-            push = action.push
-            (x, y), direction = rod_start(loop, push)
+        push, way_points = action.push, action.way_points
+        assert push is not None and way_points is not None
+        if push not in starts:
+            place, way = first_contact(loop.slider, push, loop.pusher.radius)
             numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
-            told = [_field(unit, value) for unit, value in numbers]
-            starts[action.push] = [str(push.side), *told, *map(_rounded, (1e3 * x, 1e3 * y, *direction))]
-        turn = _field(DEGREES, action.turn)
-        writer.writerow([str(cycle), *starts[action.push], *_drag_fields(action.way_points, legs), turn])
+            told = [decimal_text(unit.written(value)) for unit, value in numbers]
+            starts[push] = [str(push.side), *told, *map(_rounded, (1e3 * place).tolist() + way.tolist())]
+        drag = []
+        for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
+            dx, dy = onward_x - x, onward_y - y
+            drag += [decimal_text(MILLIMETRES.written(part)) for part in (x, y)]
+            drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
+        drag += [""] * (4 * (legs - len(way_points)))
+        writer.writerow([str(cycle), *starts[push], *drag, decimal_text(DEGREES.written(action.turn))])
     head = [f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))]
     return "\n".join([*head, table.getvalue()])
 
 
-def _header(legs: int) -> list[str]:
-    return [*PUSH_COLUMNS, *(name for leg in range(1, legs + 1) for name in _leg_columns(leg)), TURN_COLUMN]
-
-
-def _leg_columns(leg: int) -> tuple[str, str, str, str]:
-    return (f"way_point_{leg}_x_mm", f"way_point_{leg}_y_mm", f"leg_{leg}_direction_deg", f"leg_{leg}_mm")
-
-
-def _field(unit: Unit, value: float) -> str:
-    return decimal_text(unit.written(value))
+def _columns(legs: int) -> list[str]:
+    return [*PUSH_COLUMNS, *(name.format(leg) for leg in range(1, legs + 1) for name in _LEG_COLUMNS), TURN_COLUMN]
 
 
 def _rounded(value: float) -> str:
     """A number that only the robot needs: to a picometre, or a billionth of a degree."""
     return repr(round(value, _DECIMALS) + 0.0)
-
-
-def rod_start(loop: CollectionLoop, push: SidePush) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return where the rod's centre first touches (x, y), m, and the unit vector of its way, in the object's frame.
-
-    >>> (x, y), direction = rod_start(CollectionLoop.mit(), SidePush())
-    >>> round(1e3 * x, 6), round(1e3 * y, 6), [round(part, 12) + 0.0 for part in direction]
-    (-18.0, 49.75, [0.0, -1.0])
-    """
-    outline, radius = loop.slider.outline, loop.pusher.radius
-    pieces = contact_curve(outline, radius).pieces
-    index, coordinate = side_coordinate(outline, pieces, push.side, push.fraction)
-    contact, _ = pieces[index].contact(coordinate, radius)
-    x, y = contact.rod_centre(radius)
-    direction = contact.normal + math.pi + push.angle
-    return (float(x), float(y)), (math.cos(direction), math.sin(direction))
-
-
-def _drag_fields(way_points: Points, legs: int) -> list[str]:
-    fields = []
-    for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
-        dx, dy = onward_x - x, onward_y - y
-        leg = _rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))
-        fields += [_field(MILLIMETRES, x), _field(MILLIMETRES, y), *leg]
-    return fields + [""] * (4 * (legs - len(way_points)))
 
 
 def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
@@ -142,18 +114,18 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     Raises DataFileError, naming the line, where the file is cut short, damaged or edited: a cycle missing or out of
     order, a field that is no number, legs that do not run between the way-points beside them.
     """
-    read = _read_commented(path)
-    table, legs = read.table, 0
-    while _leg_columns(legs + 1)[0] in table.header:
+    table, facts = _read_commented(path)
+    legs = 0
+    while _LEG_COLUMNS[0].format(legs + 1) in table.header:
         legs += 1
-    require_columns(table, _header(legs))
+    require_columns(table, _columns(legs))
     for name in table.header:
-        if name not in _header(legs):
+        if name not in _columns(legs):
             # A way-point whose name is damaged would be left out in silence.
-            raise DataFileError(f"{path}: {unknown_name('column', name, _header(legs + 1))}")
-    text = read.facts.get("cycles", "")
+            raise DataFileError(f"{path}: {unknown_name('column', name, _columns(legs + 1))}")
+    text = facts.get("cycles", "")
     if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
-        raise DataFileError(f"{read.table.path}: the comment '# cycles: N' is missing or damaged; write the file anew")
+        raise DataFileError(f"{path}: the comment '# cycles: N' is missing or damaged; write the file anew")
     count = int(text)
     for number, row in enumerate(table.rows):
         if table.text(row, "cycle") != str(number):
@@ -161,63 +133,58 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     if len(table.rows) != count:
         last = table.rows[-1].line
         raise table.error(last, f"{len(table.rows)} cycles of the {count} that the comments promise; write it anew")
-    return tuple(_action(read, row, legs) for row in table.rows)
+    return tuple(_action(table, row, legs) for row in table.rows)
 
 
-def _action(read: _Commented, row: CsvRow, legs: int) -> CycleAction:
-    table = read.table
+def _action(table: CsvTable, row: CsvRow, legs: int) -> CycleAction:
     with located(f"{table.path}, line {row.line}", DataFileError):
         side = table.text(row, "side")
         if not side.isdecimal() or len(side) > _MOST_DIGITS:
             raise table.error(row.line, f"side is {side[:_MOST_DIGITS]!r}; it must be a whole number")
         fraction, angle, distance = (
-            read.number(row, column, unit)
+            _number(table, row, column, unit)
             for column, unit in (("fraction", NUMBER), ("angle_deg", DEGREES), ("push_mm", MILLIMETRES))
         )
         for column in PUSH_COLUMNS[5:]:
             table.number(row, column)
         push = SidePush(int(side), fraction, angle, distance)
-        return CycleAction(_way_points(read, row, legs), push, read.number(row, TURN_COLUMN, DEGREES))
+        return CycleAction(_way_points(table, row, legs), push, _number(table, row, TURN_COLUMN, DEGREES))
 
 
-def _way_points(read: _Commented, row: CsvRow, legs: int) -> Points:
+def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
     found: list[tuple[float, float]] = []
     told: list[tuple[float, float]] = []
     for leg in range(1, legs + 1):
-        x, y, direction, length = _leg_columns(leg)
-        if not any(read.table.text(row, column) for column in (x, y, direction, length)):
+        x, y, direction, length = columns = [name.format(leg) for name in _LEG_COLUMNS]
+        if not any(table.text(row, column) for column in columns):
             continue
         if len(found) < leg - 1:
-            raise read.table.error(row.line, f"{x} is given, but the way-point before it is blank")
-        found.append((read.number(row, x, MILLIMETRES), read.number(row, y, MILLIMETRES)))
-        told.append((math.radians(read.table.number(row, direction)), read.table.number(row, length)))
+            raise table.error(row.line, f"{x} is given, but the way-point before it is blank")
+        found.append((_number(table, row, x, MILLIMETRES), _number(table, row, y, MILLIMETRES)))
+        told.append((math.radians(table.number(row, direction)), table.number(row, length)))
     runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
     for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
         dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
         if math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing)) > _AGREE_MM:
             words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
-            raise read.table.error(row.line, words)
+            raise table.error(row.line, words)
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class _Commented:
-    """A table, and the facts `# name: text` of the comments before it."""
-
-    table: CsvTable
-    facts: dict[str, str]
-
-    def number(self, row: CsvRow, column: str, unit: Unit) -> float:
-        """Return a field of `unit` in SI units, rounded once; DataFileError where it is no finite number."""
-        text = self.table.text(row, column)
-        try:
-            return unit.read(Decimal(text))
-        except (InvalidOperation, InvalidInput) as error:
-            raise self.table.error(row.line, f"{column} is '{text}'; it must be a finite number") from error
+def _number(table: CsvTable, row: CsvRow, column: str, unit: Unit) -> float:
+    """A field of `unit` in SI units, rounded once."""
+    text = table.text(row, column)
+    try:
+        return unit.read(Decimal(text))
+    except (InvalidOperation, InvalidInput) as error:
+        raise table.error(row.line, f"{column} is '{text}'; it must be a finite number") from error
 
 
-def _read_commented(path: str | Path) -> _Commented:
-    """A CSV file whose header may follow comments. An unended last line, cut off in a number, still looks like one."""
+def _read_commented(path: str | Path) -> tuple[CsvTable, dict[str, str]]:
+    """A CSV file whose header may follow comments, and their facts `# name: text`.
+
+    An unended last line, cut off in a number, still looks like one.
+    """
     text = read_text(Path(path), "plain CSV")
     check_checksum(path, text)
     lines = text.split("\n")
@@ -238,4 +205,4 @@ def _read_commented(path: str | Path) -> _Commented:
     table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
     check_shape(table)
     named = (comment.partition(":") for comment in comments)
-    return _Commented(table, {name.strip(): fact.strip() for name, colon, fact in named if colon})
+    return table, {name.strip(): fact.strip() for name, colon, fact in named if colon}
