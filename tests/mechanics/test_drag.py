@@ -43,8 +43,8 @@ def ring_lever(model):
 def test_the_ring_goes_where_it_is_told_and_the_forces_balance():
     start = Pose(0.0, 0.0, 2.0)
     drag = MODEL.drag(start, ((0.1, 0.0), (0.1, 0.1), (0.0, 0.0)))
-    assert np.allclose(MODEL.ring_place(drag.end), (0.0, 0.0), atol=1e-16)
-    ring = MODEL.ring_place(start)
+    assert np.allclose(drag.end.to_world(*MODEL.slider.hitch), (0.0, 0.0), atol=1e-16)
+    ring = start.to_world(*MODEL.slider.hitch)
     assert abs(drag.length - math.hypot(0.1 - ring[0], ring[1]) - 0.1 - math.hypot(0.1, 0.1)) < 1e-15
     course = drag.trajectory
     assert abs(course.path[-1] - drag.length) < 1e-15
@@ -56,7 +56,7 @@ def test_the_ring_goes_where_it_is_told_and_the_forces_balance():
 @pytest.mark.parametrize("radius", [0.0, 0.002, 0.02])
 def test_cutting_a_straight_leg_in_two_changes_nothing_though_the_mode_is_chosen_anew(radius):
     start = Pose(0.1, 0.05, 1.0)
-    ring = np.array(MODEL.ring_place(start))
+    ring = np.array(start.to_world(*MODEL.slider.hitch))
     whole = MODEL.drag(start, HOME, pin_friction_radius=radius)
     for share in (0.1, 0.5, 0.77):
         cut = MODEL.drag(start, (tuple(share * ring), (0.0, 0.0)), pin_friction_radius=radius)
@@ -67,7 +67,7 @@ def test_cutting_a_straight_leg_in_two_changes_nothing_though_the_mode_is_chosen
 
 def test_a_ring_that_is_already_there_moves_nothing():
     start = Pose(0.1, 0.05, 1.0)
-    here = MODEL.ring_place(start)
+    here = start.to_world(*MODEL.slider.hitch)
     drag = MODEL.drag(start, (here, here))
     assert (drag.turn, drag.length, drag.end) == (0.0, 0.0, start)
     with pytest.raises(InvalidInput, match="no length"):
@@ -132,7 +132,7 @@ def test_a_brute_force_solver_turns_the_object_to_the_same_angle(radius):
     footprint, law = grid_footprint(RECT.outline, 8), EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)
     model = QuasiStaticModel(RECT, law, footprint=footprint)
     points, pose = np.array(footprint.positions), Pose(0.08, -0.04, 2.0)
-    ring = model.ring_place(pose)
+    ring = pose.to_world(*model.slider.hitch)
     direction, length = math.atan2(-ring[1], -ring[0]), math.hypot(*ring)
     rate = lambda _, theta: [brute_force_spin(law, points, RECT.hitch, direction, theta[0], radius)]  # noqa: E731
     wanted = solve_ivp(rate, (0.0, length), [2.0], rtol=1e-8, atol=1e-10).y[0, -1]
@@ -151,7 +151,7 @@ def test_little_friction_in_the_ring_changes_little_more_of_it_turns_less_and_mu
     assert (np.diff(turns) < -1e-3).all()
     stuck = MODEL.drag(start, HOME, longest_step=0.01, pin_friction_radius=0.1)
     assert stuck.turn == 0.0 and stuck.length == pytest.approx(free.length, rel=1e-14)
-    assert np.allclose(MODEL.ring_place(stuck.end), 0.0, atol=1e-16)
+    assert np.allclose(stuck.end.to_world(*MODEL.slider.hitch), 0.0, atol=1e-16)
     assert set(stuck.trajectory.mode) == {"ring_stuck"}
     assert (stuck.trajectory.pose[:, 2] == 3.0).all()
     assert np.diff(stuck.trajectory.path).max() <= 0.01 * (1.0 + 1e-9)
@@ -240,7 +240,7 @@ def fastest_spin(model, theta, direction, radius, sense):
 
 def travel_to_stop(model, pose, radius, sense, goal):
     """Travel (m) after which the fastest spin has ended, summed over orientations as long as there is one."""
-    ring = model.ring_place(pose)
+    ring = pose.to_world(*model.slider.hitch)
     direction, travel, step = math.atan2(goal[1] - ring[1], goal[0] - ring[0]), 0.0, 0.01
     for theta in pose.theta + sense * step * (np.arange(100) + 0.5):
         spin = fastest_spin(model, theta, direction, radius, sense)

@@ -46,7 +46,7 @@ def test_a_retraced_drag_undoes_itself_only_without_offset():
         for theta in (0.2, 1.9, -2.5):
             pose = Pose(0.0, 0.0, theta)
             there = model.drag(pose, out)
-            back = model.drag(there.end, (*out[-2::-1], model.ring_place(pose)))
+            back = model.drag(there.end, (*out[-2::-1], pose.to_world(*model.slider.hitch)))
             assert abs(there.turn) > 0.1
             assert (abs(back.turn + there.turn) < 1e-7) if holds else (abs(back.turn + there.turn) > 1e-2)
 

@@ -99,7 +99,7 @@ def pressure_tables(footprint: Footprint) -> PressureTables:
     load = (footprint.even_share, footprint.inner_share, footprint.rim_share, footprint.corner_share)
     whole = (*load, float(np.any(leaning != 0.0)), 0.0)
     if isinstance(outline, Ellipse):
-        inside, semi = outline.shrunk(INNER), (outline.semi_x, outline.semi_y)
+        inside, semi = outline.scaled(INNER), (outline.semi_x, outline.semi_y)
         rows = [
             _rows(CHORD, 1.0, [(*semi, *middle, 0.0, 0.0, 1.0)]),
             _rows(CHORD, 1.0, [(inside.semi_x, inside.semi_y, *middle, 0.0, 0.0, 1.0)]),
@@ -122,7 +122,7 @@ def _polygon_parts(
     points, shares = area_quadrature(outline, order)
     rows, nodes = [_rows(EDGE, per_area, ends)], [np.column_stack([points, shares])]
     if footprint.has_frame:
-        inside = outline.shrunk(INNER)
+        inside = outline.scaled(INNER, outline.centroid)
         inner = np.hstack([inside.array, np.roll(inside.array, -1, axis=0)])
         # A line's load goes with the distance of its side from the centroid: the even form's derivative by the scale.
         arms = side_arms(outline)

@@ -117,7 +117,7 @@ def rod_start(loop: CollectionLoop, push: SidePush) -> tuple[tuple[float, float]
     """
     outline, radius = loop.slider.outline, loop.pusher.radius
     pieces = contact_curve(outline, radius).pieces
-    index, coordinate = side_coordinate(outline, pieces, push.side, push.fraction)
+    index, coordinate, _ = side_coordinate(outline, pieces, push.side, push.fraction)
     contact, _ = pieces[index].contact(coordinate, radius)
     x, y = contact.rod_centre(radius)
     direction = contact.normal + math.pi + push.angle
