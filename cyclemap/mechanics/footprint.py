@@ -157,10 +157,6 @@ class PointFootprint:
             extent=float(np.hypot(*(points - (x, y)).T).max()),
         )
 
-    def scaled(self, factor: float) -> "PointFootprint":
-        """Return the footprint with every coordinate times `factor`."""
-        return PointFootprint(tuple(map(tuple, (factor * self.quadrature[0]).tolist())), self.weights)
-
 
 Footprint = PatchFootprint | PointFootprint
 
