@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -16,7 +16,7 @@ from cyclemap.errors import (
     TooManySteps,
     UnsupportedContact,
 )
-from cyclemap.mechanics.contact_curve import ContactCurve, OutlinePiece, contact_curve, side_coordinate
+from cyclemap.mechanics.contact_curve import ContactCurve, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
 from cyclemap.mechanics.first_touch import OVERLAP, first_touches
@@ -82,10 +82,6 @@ class QuasiStaticModel:
         vars(self).update(pressure=pressure, weight=self.slider.weight, unit=size, radius=self.pusher.radius / size)
         vars(self).update(scale=math.sqrt(law.mu_a) * math.sqrt(law.mu_b))
 
-    def __getstate__(self) -> dict[str, object]:
-        # What was computed from the fields, and is large, stays behind.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
     @property
     def isotropic(self) -> "QuasiStaticModel":
         """The same slider and rod where nothing is known of the surface: one friction all around, even pressure."""
@@ -95,11 +91,6 @@ class QuasiStaticModel:
     def curve(self) -> ContactCurve:
         """The contact curve, in units of `unit`."""
         return contact_curve(_scaled(self.slider.outline, 1.0 / self.unit), self.radius)
-
-    @property
-    def pieces(self) -> tuple[OutlinePiece, ...]:
-        """The pieces of the contact curve."""
-        return self.curve.pieces
 
     @cached_property
     def _still(self) -> Strokes:
@@ -163,8 +154,8 @@ class QuasiStaticModel:
         if isinstance(push, WorldPush):
             return self._from_afar(pose, push)
         outline = _scaled(self.slider.outline, 1.0 / self.unit)
-        index, coordinate, by_fraction = side_coordinate(outline, self.pieces, push.side, push.fraction)
-        contact, _ = self.pieces[index].contact(coordinate, self.radius)
+        index, coordinate, by_fraction = side_coordinate(outline, self.curve.pieces, push.side, push.fraction)
+        contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
         return replace(
             self._still,
             start_piece=index,
@@ -176,14 +167,14 @@ class QuasiStaticModel:
 
     def _from_afar(self, pose: Pose, push: WorldPush) -> Strokes:
         start = np.array([pose.to_object(*push.start)]) / self.unit
-        found = first_touches(self.pieces, self.radius, start, np.array([push.direction - pose.theta]))
+        found = first_touches(self.curve.pieces, self.radius, start, np.array([push.direction - pose.theta]))
         travel, index, coordinate = float(found[0][0]), int(found[1][0]), float(found[2][0])
         if math.isnan(travel):
             raise RodMissesObject(
                 f"the rod never touches the object: from {push.start} m its path in direction "
                 f"{push.direction:.6g} rad passes it by or points away"
             )
-        contact, _ = self.pieces[index].contact(coordinate, self.radius)
+        contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
         if travel * math.cos(push.direction - pose.theta - contact.normal) > OVERLAP:
             raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
         length = push.distance / self.unit - max(travel, 0.0)

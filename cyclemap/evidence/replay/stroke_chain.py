@@ -125,7 +125,7 @@ def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> ChainRun:
                 f"the rod would enter the object at ({place[0]:.4f}, {place[1]:.4f}) m from behind"
             )
         rod = np.array(pose.to_object(*place)) / model.unit
-        touch = first_touch(model.pieces, model.radius, rod, direction - pose.theta)
+        touch = first_touch(model.curve.pieces, model.radius, rod, direction - pose.theta)
         left = touched
         if touch is not None and touch[0] * model.unit < length:
             push = model.push(pose, WorldPush(place, direction, length), SAMPLE_SPACING)

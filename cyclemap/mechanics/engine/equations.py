@@ -49,7 +49,11 @@ def kernels() -> dict[str, ca.Function]:
             found[name] = function_of(name, [twist, matrix, images, *more], [sums])
         moved = ca.jtimes(whole, matrix, toward)
         found[f"{name}_toward"] = function_of(f"{name}_toward", [twist, matrix, ends, *more, toward], [moved])
-    moved = ca.jtimes(_point_wrench(twist, matrix, place), matrix, toward)
+    # The wrench of a unit of load at a point.
+    wx, wy = _velocity(twist, matrix, place[0], place[1])
+    inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
+    fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
+    moved = ca.jtimes(ca.vertcat(fx, fy, place[0] * fy - place[1] * fx), matrix, toward)
     found["point_toward"] = function_of("point_toward", [twist, matrix, place, toward], [moved])
     moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
     found["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
@@ -184,14 +188,6 @@ def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
     wrench = [sums[1], sums[2], (sums[0] - vx * sums[1] - vy * sums[2]) / omega]
     hessian = [sums[3], sums[4], sums[5], cross_x, cross_y, -(cross_x * vx + cross_y * vy) / omega]
     return function_of("assembled", [twist, matrix, sums], [ca.vertcat(*wrench, *hessian)])
-
-
-def _point_wrench(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
-    """The wrench of a unit of load at a point."""
-    wx, wy = _velocity(twist, matrix, place[0], place[1])
-    inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
-    fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
-    return ca.vertcat(fx, fy, place[0] * fy - place[1] * fx)
 
 
 def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> list[ca.SX]:
