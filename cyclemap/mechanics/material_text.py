@@ -177,10 +177,11 @@ def material_toml(material: Material) -> str:
         key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None
     }
     tables |= {"found_with": told} if told else {}
-    for one in material.plates:
-        tables[f"plates.{_key(one.plate)}"] = {key: value for key, value in one.shares.items() if value}
-    for shift in material.frames:
-        tables[f"frames.{_key(shift.plate)}"] = {"shift_x_mm": 1e3 * shift.x, "shift_y_mm": 1e3 * shift.y}
+    plates = [("plates", one.plate, {key: x for key, x in one.shares.items() if x}) for one in material.plates]
+    plates += [("frames", one.plate, {"shift_x_mm": 1e3 * one.x, "shift_y_mm": 1e3 * one.y}) for one in material.frames]
+    for kind, plate, numbers in plates:
+        key = plate if re.fullmatch(r"[A-Za-z0-9_-]+", plate) else _text(plate)
+        tables[f"{kind}.{key}"] = dict(numbers)
     if material.noise is not None:
         tables["cycle_noise"] = {"log_sigma": material.noise.log_sigma, "correlation": material.noise.correlation}
     if material.posterior is not None:
@@ -196,10 +197,6 @@ def material_toml(material: Material) -> str:
 
 def _numbers(law: EllipseFriction) -> dict[str, object]:
     return {"mu_a": law.mu_a, "mu_b": law.mu_b, "m0": law.m0, "n0": law.n0, "phi_deg": math.degrees(law.phi)}
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def _text(value: object) -> str:

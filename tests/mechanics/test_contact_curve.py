@@ -11,7 +11,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.replay.replay_table import dataset_sliders
 from cyclemap.mechanics import Polygon
 from cyclemap.mechanics.contact_curve import CornerPiece, SidePiece, contact_curve, side_coordinate
-from cyclemap.mechanics.first_touch import first_touch, first_touches
+from cyclemap.mechanics.first_touch import first_touches
 
 NOTCHED = Polygon([(0, 0), (4, 0), (4, 2), (2, 1), (0, 2)])
 SLOT = Polygon([(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)])
@@ -224,6 +224,12 @@ def test_sizes_do_not_matter():
         flat, thin = contact_curve(outline, 0.1), contact_curve(outline.scaled(1e-3), 1e-4)
         assert thin.after == flat.after and thin.junctions == flat.junctions
         assert length(thin) == pytest.approx(1e-3 * length(flat), rel=1e-12)
+
+
+def first_touch(pieces, radius, start, direction):
+    """Travel, piece and coordinate of one rod's; None where there is no touch."""
+    (travel,), (piece,), (coordinate,) = first_touches(pieces, radius, np.array([start]), np.array([direction]))
+    return None if math.isnan(travel) else (max(travel, 0.0), piece, coordinate)
 
 
 def marched(outline, radius, start, toward):

@@ -16,7 +16,7 @@ from cyclemap.evidence.pushes.contact_forces import nearest_on_polyline
 from cyclemap.mechanics import DragBack, Ellipse, Pose, QuasiStaticModel, SidePush, WorldPush
 from cyclemap.mechanics.contact_curve import ContactCurve, SidePiece
 from cyclemap.mechanics.engine.strokes import piece_table
-from cyclemap.mechanics.first_touch import first_touch
+from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.outline import Outline, Polygon
 from cyclemap.mechanics.quasi_static import run_strokes
 from cyclemap.mechanics.trajectory import Course
@@ -125,11 +125,11 @@ def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> ChainRun:
                 f"the rod would enter the object at ({place[0]:.4f}, {place[1]:.4f}) m from behind"
             )
         rod = np.array(pose.to_object(*place)) / model.unit
-        touch = first_touch(model.curve.pieces, model.radius, rod, direction - pose.theta)
+        touch = first_touches(model.curve.pieces, model.radius, rod[None], np.array([direction - pose.theta]))[0]
         left = touched
-        if touch is not None and touch[0] * model.unit < length:
+        if touch[0] * model.unit < length:
             push = model.push(pose, WorldPush(place, direction, length), SAMPLE_SPACING)
-            course, at = push.trajectory, done + touch[0] * model.unit
+            course, at = push.trajectory, done + max(float(touch[0]), 0.0) * model.unit
             travels += [np.array([at]), at + course.path]
             poses += [poses[-1][-1:], course.pose]
             pose, touched, left = push.end, True, push.ended == "left"
