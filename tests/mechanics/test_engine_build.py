@@ -29,9 +29,6 @@ DRIVER = """#include "kernels.c"
 #include "driver.c"
 __attribute__((visibility("default"))) const char *cm_version(void) { return ENGINE_VERSION; }
 __attribute__((visibility("default"))) double cm_double(double x) { return driver(x); }
-__attribute__((visibility("default"))) void cm_run(void) {}
-__attribute__((visibility("default"))) void cm_record(void) {}
-__attribute__((visibility("default"))) void cm_friction(void) {}
 """
 # A compiler that fails with colours, a window title, a bell and bytes that are no text.
 BROKEN = "#!/bin/sh\nprintf '\\033[1;31mno licence\\033[0m \\377\\033]0;title\\007\\007\\n' >&2\nexit 7\n"
@@ -222,13 +219,6 @@ def test_build_and_package_allow_the_same_versions() -> None:
     needed = {text for text in project["build-system"]["requires"] if not text.startswith("setuptools")}
     assert {text.split(">=")[0] for text in needed} == {"numpy", "casadi"}
     assert needed <= set(project["project"]["dependencies"])
-
-
-def test_engine_of_this_installation_is_made_from_its_sources() -> None:
-    """The library loads once, and tells the digest of the sources beside it."""
-    engine = library.load()
-    assert engine is library.load()
-    assert engine.cm_version().decode() == (digest_of(Path(library.__file__).parent) or engine.cm_version().decode())
 
 
 def test_python_and_the_library_agree_on_what_they_pass_each_other() -> None:

@@ -2,19 +2,14 @@
 
 import math
 from dataclasses import fields, replace
-from itertools import pairwise
 
-import numpy as np
 import pytest
 
-from cyclemap.mechanics import Pose, SidePush
 from tests.benchmarks.peers import simulators as roster
 from tests.benchmarks.peers.package_push import DYNAMIC, ENGINE
 from tests.benchmarks.peers.plain_push import SCIPY, NumpyPush, NumpySettings
 from tests.benchmarks.peers.push_problem import ANGLES, CORNERS, Distance, Simulator, distance, four_corners, plain_grid
-from tests.benchmarks.peers.settings import run_trial, search
-from tests.benchmarks.peers.support_points import Balance, Contact, SupportPoints
-from tests.benchmarks.timing import in_turns
+from tests.benchmarks.peers.settings import run_trial
 
 PROBLEMS = {problem.name: problem for problem in (four_corners(), plain_grid())}
 FEW = len(ANGLES)
@@ -37,71 +32,12 @@ def chosen_runner(simulator: Simulator, problem):
     return simulator.build(problem, simulator.chosen[problem.name])
 
 
-def test_the_distance_of_poses_is_the_worst_in_place_and_in_turn():
-    ends = [Pose(0.0, 0.0, 0.0), Pose(0.003, 0.004, 0.0), Pose(0.0, 0.0, -0.1)]
-    found = distance(ends, [Pose()] * 3)
-    assert found.place_mm == pytest.approx(5.0)
-    assert found.turn_deg == pytest.approx(math.degrees(0.1))
-    assert not found.near
-    assert Distance(0.2, 0.1).near
-
-
-def test_the_pushes_go_around_the_circle_and_take_every_angle_alike():
-    pushes = four_corners().pushes
-    assert len(pushes) == 12
-    turns = np.diff([pose.theta for pose, _ in pushes])
-    np.testing.assert_allclose(turns, math.tau / 12)
-    assert [sum(push.angle == angle for _, push in pushes) for angle in ANGLES] == [4, 4, 4]
-
-
-def test_the_rod_goes_where_the_package_has_it_go(problem):
-    """Its place at first touch and its direction, found by hand, are those of the engine's trajectory."""
-    model = problem.model(1e-6)
-    for pose, push in problem.pushes[:FEW]:
-        path = model.push(pose, push).trajectory.pusher
-        place, direction = problem.rod_path(pose, push)
-        np.testing.assert_allclose(path[0], place, atol=1e-12)
-        along = path[-1] - path[0]
-        np.testing.assert_allclose(along / np.hypot(*along), direction, atol=1e-9)
-
-
-@pytest.mark.parametrize("cone", [-1, 0, 1])
-def test_the_balance_of_forces_changes_as_its_slope_says(problem, cone):
-    points = SupportPoints(problem, 0.1)
-    contact = Contact(np.array([0.01, 0.045]), np.array([0.0, 1.0]), np.array([-1.0, 0.0]))
-    arms = problem.footprint.quadrature[0] - contact.place
-    spun = np.stack([-arms[:, 1], arms[:, 0]], axis=-1)
-    balance = Balance(points, contact, spun, np.array([0.2, -1.0]), cone)
-    unknown = np.array([3.0, 0.4])[: 1 + abs(cone)]
-    _, slope = balance.residual(unknown)
-    steps = 1e-6 * np.eye(len(unknown))
-    differences = [(balance.residual(unknown + h)[0] - balance.residual(unknown - h)[0]) / 2e-6 for h in steps]
-    np.testing.assert_allclose(slope, np.transpose(differences), rtol=1e-6, atol=1e-9)
-
-
 def test_plain_numpy_ends_where_the_engine_does(problem):
     """Forces summed over the points and Runge-Kutta's steps, against the contact curve and exact stick and slip."""
     peer = NumpyPush(problem, NumpySettings(60, softness=1e-4))
     off = distance(problem.ends(peer.end_pose, FEW), problem.converged[:FEW])
     assert off.place_mm < 0.02
     assert off.turn_deg < 0.04
-
-
-def test_more_steps_bring_plain_numpy_nearer():
-    problem = four_corners()
-    offs = [
-        distance(problem.ends(NumpyPush(problem, NumpySettings(steps)).end_pose, 2), problem.converged[:2])
-        for steps in (4, 16, 64)
-    ]
-    assert all(more.place_mm < 0.5 * less.place_mm for less, more in pairwise(offs))
-
-
-def test_under_friction_without_directions_turning_the_push_turns_its_end():
-    problem = four_corners()
-    peer = NumpyPush(problem, NumpySettings(20))
-    one, other = (peer.end_pose(Pose(0.0, 0.0, theta), SidePush(angle=ANGLES[1])) for theta in (0.0, 1.0))
-    np.testing.assert_allclose(Pose(theta=1.0).to_world(one.x, one.y), (other.x, other.y), atol=1e-9)
-    assert other.theta == pytest.approx(one.theta + 1.0, abs=1e-7)
 
 
 @pytest.mark.parametrize("simulator", [ENGINE, SCIPY, DYNAMIC], ids=lambda simulator: simulator.name)
@@ -115,19 +51,6 @@ def test_the_engines_chosen_settings_end_near_converged(engine):
     problem = four_corners()
     runner = chosen_runner(engine, problem)
     assert distance(problem.ends(runner.end_pose, FEW), problem.converged[:FEW]).near
-
-
-def test_the_engines_repeat_themselves(engine):
-    """A push leaves nothing behind that would change the next."""
-    problem = four_corners()
-    runner = chosen_runner(engine, problem)
-    first, again = problem.ends(runner.end_pose, 2), problem.ends(runner.end_pose, 2)
-    assert distance(first, again).place_mm < 1e-3
-
-
-def test_the_engines_refuse_friction_with_directions(engine):
-    with pytest.raises(AssertionError):
-        engine.build(plain_grid(), engine.chosen[CORNERS])
 
 
 def test_an_engine_that_is_not_installed_is_told_by_name(monkeypatch):
@@ -151,22 +74,9 @@ def test_the_search_looks_only_at_settings_that_exist():
             assert simulator.finer(settings) != settings
 
 
-@pytest.mark.slow
-def test_the_search_starts_with_the_chosen_settings_and_only_gets_better():
-    trials = list(search(ENGINE, four_corners(), 0.02, seed=1))
-    assert trials[0].settings == ENGINE.chosen[CORNERS]
-    assert all(later.cost < earlier.cost for earlier, later in pairwise(trials))
-
-
 def test_what_is_missing_from_converged_costs_more_than_time():
     trial = run_trial(ENGINE, four_corners(), ENGINE.chosen[CORNERS])
     assert trial is not None
     assert trial.cost == trial.seconds
     assert replace(trial, own=Distance(0.0, 0.2)).cost > 8.0 * trial.seconds
     assert replace(trial, off=Distance(math.inf, math.inf)).cost == math.inf
-
-
-def test_what_is_timed_runs_in_turns():
-    order: list[str] = []
-    times = in_turns([lambda: order.append("a"), lambda: order.append("b")], 3)
-    assert order == ["a", "b"] * 4 and len(times) == 2
