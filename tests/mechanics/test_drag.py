@@ -228,9 +228,7 @@ def test_a_turn_that_the_ring_ends_on_the_way_is_refused_by_name_and_told_where_
             assert "radius is 0.911 times the ring's distance" in str(told)
             x, y = pose.to_world(*model.slider.hitch)
             direction, ways = math.atan2(goal[1] - y, goal[0] - x), np.linspace(0.0, 1.0, 25)
-            spins = [
-                [has_spin(model, theta + sense * way, direction, radius, sense) for way in ways] for sense in (1, -1)
-            ]
+            senses = [[has_spin(model, theta + s * way, direction, radius, s) for way in ways] for s in (1, -1)]
             assert any(one[0] and not all(one) for one in senses)
             assert model.drag(pose, (goal,), pin_friction_radius=0.499 * ring_lever(model)).turn != 0.0
             stopped += 1

@@ -77,17 +77,7 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
 def test_a_bad_csv_file_is_told_by_name_in_one_line(tmp_path, text, told):
     path = tmp_path / "feet.csv"
     path.write_text(text)
-    with pytest.raises(DataFileError, match=told) as refusal:
-        load_footprint(path)
-    assert "feet.csv" in str(refusal.value)
-    assert "\n" not in str(refusal.value)
-
-
-def test_missing_folders_and_binary_files_are_told_too(tmp_path):
-    binary = tmp_path / "feet.csv"
-    binary.write_bytes(bytes(range(128, 256)))
-    for path, told in ((tmp_path / "absent.csv", "no such file"), (tmp_path, "cannot be read"), (binary, "not UTF-8")):
-        refused(load_footprint, path, told=told, kind=DataFileError)
+    refused(load_footprint, path, told=rf"feet\.csv.*{told}", kind=DataFileError)
 
 
 def test_words_name_footprints_and_others_are_refused():
