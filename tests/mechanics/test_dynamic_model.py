@@ -110,15 +110,6 @@ def test_a_rod_that_slides_off_the_corner_leaves_and_the_object_stays():
     assert drift.max() < 2e-5
 
 
-def test_turning_surface_object_and_push_together_turns_the_motion():
-    alpha = 1.1
-    still = model(STRONG, **FINE).push(Pose(0.01, -0.02, 0.3), SHORT)
-    turned = model(STRONG.turned(alpha), **FINE).push(Pose(*_turned(alpha, 0.01, -0.02), 0.3 + alpha), SHORT)
-    assert turned.turn == pytest.approx(still.turn, abs=1e-7)
-    np.testing.assert_allclose(turned.displacement, still.displacement, atol=1e-8)
-    np.testing.assert_allclose((turned.end.x, turned.end.y), _turned(alpha, still.end.x, still.end.y), atol=1e-8)
-
-
 def test_only_the_froude_number_and_the_softness_in_weights_matter():
     """Twice the size at sqrt(2) of the speed, or three times the mass on three times the stiffness: the same turn."""
     base = model(STRONG, **FINE).push(Pose(theta=0.5), SHORT)
@@ -196,10 +187,6 @@ def test_a_slider_that_never_rests_is_told(monkeypatch):
     monkeypatch.setattr(dynamic_model, "_REST_CREEPS", 0.0)
     monkeypatch.setattr(dynamic_model, "_MOST_WAITS", 2)
     refused(model().push, Pose(), SHORT, told="still moves", kind=ConvergenceError)
-
-
-def _turned(angle: float, x: float, y: float) -> tuple[float, float]:
-    return Pose(theta=angle).to_world(x, y)
 
 
 OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {"slim": Ellipse(0.08, 0.02)}

@@ -36,15 +36,6 @@ PRESSURES = {
 TWISTS = np.array([[1.0, 0.3, 0.5], [-0.2, 1.0, 2.0], [0.1, 0.1, 1.0], [0.5, -1.0, 0.1]])
 
 
-def test_the_grid_is_the_papers_eight_by_eight():
-    grid = grid_footprint(SQUARE, 8)
-    places = np.array(grid.positions)
-    assert len(places) == 64
-    assert np.allclose(np.unique(places[:, 0].round(9)), 0.09 * ((np.arange(8) + 0.5) / 8 - 0.5))
-    assert np.allclose(grid.weights, 1 / 64)
-    assert np.allclose(grid.centre, 0.0, atol=1e-17)
-
-
 def test_points_keep_their_shares_scaled_to_one_and_drop_what_carries_nothing():
     footprint = PointFootprint(((0, 0), (1, 0), (0, 1)), (2, 0, 6))
     assert footprint.positions == ((0.0, 0.0), (0.0, 1.0))
