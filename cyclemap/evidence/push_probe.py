@@ -189,10 +189,8 @@ def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> flo
     left = np.stack([fit.residuals for fit in fits], axis=-1) / noise
     floor = (_ROUNDING / noise) ** 2 * count * np.eye(3)
     log_ratio = np.linalg.slogdet(left.T @ left + floor)[1] - np.linalg.slogdet(centred.T @ centred + floor)[1]
-    p, q, free = 3.0, float(extra), count - extra - 1.0
-    s = math.sqrt((p * p * q * q - 4.0) / (p * p + q * q - 5.0))
-    m = free - 0.5 * (p - q + 1.0)
-    first, second = p * q, m * s - 0.5 * p * q + 1.0
+    s = math.sqrt((9.0 * extra**2 - 4.0) / (extra**2 + 4.0))
+    first, second = 3.0 * extra, (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
     root = math.exp(log_ratio / s)
     return float(stats.f.sf((1.0 - root) / max(root, 1e-300) * second / first, first, second))
 
@@ -268,10 +266,9 @@ def command_push(command: Sequence[str]) -> Push:
             told = json.loads(line)
             return 1e-3 * float(told["dx_mm"]), 1e-3 * float(told["dy_mm"]), math.radians(float(told["dtheta_deg"]))
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InvalidInput(
-                f'{command[0]} answered {line.strip()[:200]!r}: for each line {{"theta_deg": ...}} a line '
-                '{"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted, written out at once'
-            ) from error
+            wanted = 'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted'
+            answer = f"{command[0]} answered {line.strip()[:200]!r}"
+            raise InvalidInput(f"{answer}: {wanted}, written out at once") from error
 
     def close() -> None:
         process.terminate()

@@ -53,8 +53,6 @@ _MOST_STEPS = 200_000
 # Units of the state. Velocities follow from positions through the stiff contact, where a step of length h gives them
 # the error of positions over h: tested as strictly as these, they would have steps shortened without end.
 _SCALES = np.array([1.0, 1.0, 1.0, 100.0, 100.0, 100.0])
-# What is added to the rows of a leg that begins later.
-_IS_TIME = np.arange(13) == 0
 # Newton's steps towards the nearest place of an ellipse; 5 reach rounding at an axis ratio of 1.5, 7 at 4.
 _NEWTON_STEPS = 8
 
@@ -190,7 +188,8 @@ class DynamicModel:
         for place, goal in pairwise(place / length for place in places):
             way = float(np.hypot(*(goal - place)))
             if way > _SHORTEST:
-                leg = equations.run(now, place, (goal - place) / way, way) + time * _IS_TIME
+                leg = equations.run(now, place, (goal - place) / way, way)
+                leg[:, 0] += time
                 kept.append(leg[1:] if kept else leg)
                 now, time = leg[-1, 3:9], time + way
         # The rod moves at unit speed, so that its travel is the time.
@@ -203,7 +202,8 @@ class DynamicModel:
                     f"the slider still moves at {np.abs(now[3:]).max():.3g} rod speeds long after the rod has stopped: "
                     "choose a smaller regularisation or a friction ellipse whose centre is nearer to zero"
                 )
-            leg = equations.run(now, places[-1] / length, np.zeros(2), wait) + time * _IS_TIME
+            leg = equations.run(now, places[-1] / length, np.zeros(2), wait)
+            leg[:, 0] += time
             now, time, waits = leg[-1, 3:9], time + wait, waits + 1
         # Of the coming to rest only its end is kept.
         rows = np.concatenate([*kept, leg[-1:]])

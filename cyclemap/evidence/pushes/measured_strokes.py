@@ -183,9 +183,9 @@ def read_measured_pushes(path: str | Path, select: Mapping[str, str] | None = No
     rows = [row for row in _selected(table, select) if tip_error(table, row) <= LARGEST_TIP_ERROR]
     labels = list(range(len(rows)))
     if {"i", "s"} <= set(table.header):
-        keys = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
-        number = {key: index for index, key in enumerate(sorted(set(keys)))}
-        labels = [number[key] for key in keys]
+        places = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
+        known = sorted(set(places))
+        labels = [known.index(place) for place in places]
     pushes = []
     for row, label in zip(rows, labels, strict=True):
         start, end, tip_start, tip_end = push_ends(table, row)
