@@ -132,8 +132,8 @@ def contact_curve(outline: Outline, radius: float) -> ContactCurve:
 
 def side_coordinate(
     outline: Outline, pieces: tuple[OutlinePiece, ...], side: int, fraction: float
-) -> tuple[int, float]:
-    """Return (piece, coordinate) of the contact at a fraction of a side, from its first vertex.
+) -> tuple[int, float, float]:
+    """Return piece, coordinate, and its slope by the fraction, of the contact at a fraction of a side from its start.
 
     On an ellipse, whose only side is 0, the fraction is of the full eccentric angle. Raises InvalidInput for a side
     or fraction that does not exist or that the rod cannot reach.
@@ -143,11 +143,11 @@ def side_coordinate(
     if not 0.0 <= fraction <= 1.0:
         raise InvalidInput(f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1")
     if isinstance(outline, Ellipse):
-        return 0, 2.0 * math.pi * fraction
-    coordinate = fraction * _raw_side(outline, int(side)).high
+        return 0, 2.0 * math.pi * fraction, 2.0 * math.pi
+    length = _raw_side(outline, int(side)).high
     for index, piece in enumerate(pieces):
-        if isinstance(piece, SidePiece) and piece.side == side and piece.low <= coordinate <= piece.high:
-            return index, coordinate
+        if isinstance(piece, SidePiece) and piece.side == side and piece.low <= fraction * length <= piece.high:
+            return index, fraction * length, length
     raise InvalidInput(f"the rod cannot touch side {side} at fraction {fraction}: a concave corner is in its way")
 
 

@@ -121,49 +121,41 @@ class CycleSlopes:
 
     def __init__(self, loop: PushAndReset) -> None:
         model = loop.model
-        ringless = replace(model, slider=replace(model.slider, hitch=model.slider.centre_of_mass))
-        self._pushes = _kept_pushes(ringless, loop.push)
-        self._lever = np.array([model.slider.hitch])
-        self._unit = model.unit
+        self._lever, self._unit = np.array([model.slider.hitch]), model.unit
+        self._push = replace(model.push_strokes(Pose(), loop.push), with_object=True)
         self._drag = replace(model.cycle_strokes(loop.push, loop.reset), length=0.0)
+        ringless = replace(model, slider=replace(model.slider, hitch=model.slider.centre_of_mass))
+        self._ends = _kept_ends(ringless, loop.push)
 
     def __call__(self, theta: Array) -> tuple[Array, Array]:
         """Return both (n,) at orientations (n,), rad. Raises what the first cycle that fails ends with."""
-        pushed, by = self._pushes.ends(theta)
+        ends: dict[float, Array | None] = {angle: self._ends.get(angle) for angle in theta.tolist()}
+        new = np.array([angle for angle, end in ends.items() if end is None])
+        if new.size:
+            # Pushed from the origin, by orientation alone: x, y and theta at the end, then their slopes.
+            poses = np.outer(new, (0.0, 0.0, 1.0))
+            varied = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (new.size, 3, 1))
+            ran = engine.run([self._push], np.zeros(new.size, int), poses, varied)
+            _check(ran, [self._push], new)
+            found = dict(zip(new.tolist(), np.column_stack([ran.pushed, ran.derivatives[:, :3, 0]]), strict=True))
+            if len(self._ends) > _MOST_KEPT:
+                self._ends.clear()
+            self._ends.update(found)
+            ends.update(found)
+        pushed = np.array([ends[angle] for angle in theta.tolist()])
         _, ring = _turned(theta, self._lever)
         pushed[:, :2] += -ring / self._unit
-        by[:, 0] += ring[:, 1] / self._unit
-        by[:, 1] += -ring[:, 0] / self._unit
-        ran = engine.run([self._drag], np.zeros(theta.size, int), pushed, by[:, :, None])
+        pushed[:, 3] += ring[:, 1] / self._unit
+        pushed[:, 4] += -ring[:, 0] / self._unit
+        ran = engine.run([self._drag], np.zeros(theta.size, int), pushed[:, :3], pushed[:, 3:, None])
         _check(ran, [self._drag], theta)
         return ran.ended[:, 2], ran.derivatives[:, 5, 0]
 
 
-class _KeptPushes:
-    """Pushes of a model from the origin: by orientation, the pose that they end in and its derivatives by it."""
-
-    def __init__(self, model: QuasiStaticModel, push: SidePush) -> None:
-        self._strokes = replace(model.push_strokes(Pose(), push), with_object=True)
-        self._ends: dict[float, Array] = {}
-
-    def ends(self, theta: Array) -> tuple[Array, Array]:
-        """Poses (n, 3) and derivatives (n, 3), extents and rad."""
-        new = np.array([angle for angle in theta.tolist() if angle not in self._ends])
-        if new.size:
-            # Pushed from the origin, by orientation alone.
-            poses = np.outer(new, (0.0, 0.0, 1.0))
-            varied = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (new.size, 3, 1))
-            ran = engine.run([self._strokes], np.zeros(new.size, int), poses, varied)
-            _check(ran, [self._strokes], new)
-            if len(self._ends) > _MOST_KEPT:
-                self._ends = {angle: self._ends[angle] for angle in theta.tolist() if angle in self._ends}
-            ends = np.column_stack([ran.pushed, ran.derivatives[:, :3, 0]])
-            self._ends.update(zip(new.tolist(), ends, strict=True))
-        found = np.array([self._ends[angle] for angle in theta.tolist()])
-        return found[:, :3], found[:, 3:]
-
-
-_kept_pushes = lru_cache(maxsize=128)(_KeptPushes)
+@lru_cache(maxsize=128)
+def _kept_ends(model: QuasiStaticModel, push: SidePush) -> dict[float, Array]:
+    """By orientation, what pushes of a model from the origin come to, as far as it is known yet."""
+    return {}
 
 
 def _turned(theta: Array, lever: Array) -> tuple[tuple[Array, Array], Array]:

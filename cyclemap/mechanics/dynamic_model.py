@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -79,6 +78,8 @@ class DynamicModel:
     tolerance : relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within about fifty times
         that, in rad (1e-7: 0.0003 degrees).
 
+    From them: points, those in use; inertia about the centre of mass, kg m^2.
+
     >>> model = DynamicModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 1), push.ended
@@ -94,6 +95,8 @@ class DynamicModel:
     damping: float = 1.0
     regularisation: float = 1e-4
     tolerance: float = 1e-7
+    points: PointFootprint = field(init=False, repr=False, compare=False)
+    inertia: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
@@ -102,37 +105,21 @@ class DynamicModel:
             raise InvalidInput(f"tolerance {self.tolerance} is out of reach: choose one from 1e-10 to 1e-3")
         if self.regularisation > 0.1:
             raise InvalidInput(f"regularisation {self.regularisation} leaves no friction: choose at most 0.1")
-        if not isinstance(self.points, PointFootprint):
+        points, slider = self.footprint or grid_footprint(self.slider.outline, GRID), self.slider
+        if not isinstance(points, PointFootprint):
             raise InvalidInput(
                 "the dynamic simulation stands on support points: choose a footprint such as grid:8, "
                 "or the pressure_points of a patch"
             )
-        if self.slider.weight / self.stiffness > _DEEPEST * self.pusher.radius:
+        if slider.weight / self.stiffness > _DEEPEST * self.pusher.radius:
             raise InvalidInput(
                 f"the rod (radius {self.pusher.radius} m) would sink into a contact of {self.stiffness:g} N/m: choose "
-                f"a stiffness above {self.slider.weight / _DEEPEST / max(self.pusher.radius, 1e-6):.3g} N/m or a "
-                "thicker rod"
+                f"a stiffness above {slider.weight / _DEEPEST / max(self.pusher.radius, 1e-6):.3g} N/m or a thicker rod"
             )
-
-    def __getstate__(self) -> dict[str, object]:
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-    @cached_property
-    def points(self) -> Footprint:
-        """The support points in use."""
-        return self.footprint or grid_footprint(self.slider.outline, GRID)
-
-    @cached_property
-    def inertia(self) -> float:
-        """Moment of inertia about the centre of mass, kg m^2."""
-        if self.slider.inertia is not None:
-            return self.slider.inertia
-        return self.slider.mass * float(np.trace(PatchFootprint(self.slider.outline).second_moments))
-
-    @property
-    def froude(self) -> float:
-        """Inertia against friction: v^2 / (g L), L the footprint's extent."""
-        return self.speed**2 / (GRAVITY * self.points.extent)
+        inertia = slider.inertia
+        if inertia is None:
+            inertia = slider.mass * float(np.trace(PatchFootprint(slider.outline).second_moments))
+        vars(self).update(points=points, inertia=inertia)
 
     def push(self, pose: Pose, push: SidePush, samples: int = SAMPLES) -> DynamicPush:
         """Push the slider from rest at a pose, the rod first just touching it; `samples` of the course are kept.
@@ -141,12 +128,12 @@ class DynamicModel:
         """
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
-        index, coordinate = side_coordinate(outline, pieces, push.side, push.fraction)
+        index, coordinate, _ = side_coordinate(outline, pieces, push.side, push.fraction)
         contact, _ = pieces[index].contact(coordinate, radius)
         direction = pose.theta + contact.normal + math.pi + push.angle
         touch = np.array(pose.to_world(*contact.rod_centre(radius)))
         places = [touch, touch + push.distance * np.array((math.cos(direction), math.sin(direction)))]
-        end, course = self._run(pose, self.equations(outline, samples), places)
+        end, course = self._run(pose, self._equations(outline, samples), places)
         # The last sample is at rest, the one before it when the rod stops.
         ended = "distance" if np.any(course.contact_force[-2] != 0.0) else "left"
         return DynamicPush(pose, end, ended, course)
@@ -168,113 +155,93 @@ class DynamicModel:
         length = math.fsum(float(np.hypot(*(b - a))) for a, b in pairwise(places))
         if length <= _SHORTEST * self.points.extent:
             raise InvalidInput(f"the ring is already at {goals[-1]} m: there is nothing to drag")
-        end, course = self._run(pose, self.equations(self.slider.hitch, samples), places, radius)
+        end, course = self._run(pose, self._equations(self.slider.hitch, samples, radius), places)
         return DynamicDrag(pose, end, length, course)
 
-    def equations(self, touched: Outline | tuple[float, float], samples: int = 1) -> LegEquations:
-        """Return the equations of a leg of the rod on an outline, or in a ring at a place (m)."""
-        count = whole_number("samples", samples, least=1)
-        assert isinstance(self.points, PointFootprint)
-        unit = 1.0 / self.points.extent
-        x, y = self.slider.centre_of_mass
-        scaled = (unit * touched[0], unit * touched[1]) if isinstance(touched, tuple) else touched.scaled(unit)
-        return LegEquations(self.points.scaled(unit), (unit * x, unit * y), scaled, self.tolerance, count)
+    def _equations(self, touched: Outline | tuple[float, float], samples: int, pin_radius: float = 0.0) -> LegEquations:
+        """The equations of a leg of the rod on an outline, or in a ring at a place (m), with friction of a radius."""
+        slider, law, length, unit = self.slider, self.friction, self.points.extent, 1.0 / self.points.extent
+        froude = self.speed**2 / (GRAVITY * length)
+        stiffness = self.stiffness * length / slider.weight
+        physics = (
+            *(froude, self.inertia / (slider.mass * length**2)),
+            *(stiffness, 2.0 * self.damping * math.sqrt(stiffness * froude)),
+            *(self.pusher.radius / length, self.pusher.friction, pin_radius / length, self.regularisation),
+            *(law.mu_a, law.mu_b, law.m0, law.n0, law.phi),
+        )
+        return LegEquations(
+            PointFootprint(tuple(map(tuple, (unit * self.points.quadrature[0]).tolist())), self.points.weights),
+            (unit * slider.centre_of_mass[0], unit * slider.centre_of_mass[1]),
+            (unit * touched[0], unit * touched[1]) if isinstance(touched, tuple) else touched.scaled(unit),
+            self.tolerance,
+            whole_number("samples", samples, least=1),
+            physics,
+        )
 
-    def physics(self, pin_friction_radius: float = 0.0) -> dict[str, float]:
-        """Return what the slider meets, in the equations' units, by the names in PHYSICS."""
-        length, law = self.points.extent, self.friction
-        stiffness = self.stiffness * length / self.slider.weight
-        return {
-            "froude": self.froude,
-            "inertia": self.inertia / (self.slider.mass * length**2),
-            "stiffness": stiffness,
-            "damping": 2.0 * self.damping * math.sqrt(stiffness * self.froude),
-            "radius": self.pusher.radius / length,
-            "pusher_mu": self.pusher.friction,
-            "pin_radius": pin_friction_radius / length,
-            "creep": self.regularisation,
-            **{name: getattr(law, name) for name in ("mu_a", "mu_b", "m0", "n0", "phi")},
-        }
-
-    def _run(
-        self, pose: Pose, equations: LegEquations, places: list[Array], pin_radius: float = 0.0
-    ) -> tuple[Pose, DynamicTrajectory]:
+    def _run(self, pose: Pose, equations: LegEquations, places: list[Array]) -> tuple[Pose, DynamicTrajectory]:
         """Move the rod through places (m) at its speed, then hold it until the slider rests."""
-        length, law, physics = self.points.extent, self.friction, self.physics(pin_radius)
-        centre = pose.to_world(*self.slider.centre_of_mass)
-        now = np.array([centre[0] / length, centre[1] / length, pose.theta, 0.0, 0.0, 0.0])
-        moving: list[Leg] = []
+        length, law = self.points.extent, self.friction
+        x, y = pose.to_world(*self.slider.centre_of_mass)
+        now = np.array([x / length, y / length, pose.theta, 0.0, 0.0, 0.0])
+        kept: list[Array] = []
+        time = 0.0
         for place, goal in pairwise(place / length for place in places):
             way = float(np.hypot(*(goal - place)))
             if way > _SHORTEST:
-                moving.append(equations.run(now, place, (goal - place) / way, way, physics))
-                now = moving[-1].state[-1]
+                leg = equations.run(now, place, (goal - place) / way, way)
+                leg[:, 0] += time
+                kept.append(leg[1:] if kept else leg)
+                now, time = leg[-1, 3:9], time + way
+        # The rod moves at unit speed, so that its travel is the time.
+        way, waits = time, 0
         grip = min(law.mu_a, law.mu_b) * (1.0 - math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b))
-        resting: list[Leg] = []
-        while not resting or np.abs(now[3:]).max() > max(_REST, _REST_CREEPS * self.regularisation):
-            if len(resting) == _MOST_WAITS:
+        wait = _WAIT * self.speed**2 / (GRAVITY * length) / grip
+        while waits == 0 or np.abs(now[3:]).max() > max(_REST, _REST_CREEPS * self.regularisation):
+            if waits == _MOST_WAITS:
                 raise ConvergenceError(
                     f"the slider still moves at {np.abs(now[3:]).max():.3g} rod speeds long after the rod has stopped: "
                     "choose a smaller regularisation or a friction ellipse whose centre is nearer to zero"
                 )
-            wait = _WAIT * self.froude / grip
-            resting.append(equations.run(now, places[-1] / length, np.zeros(2), wait, physics))
-            now = resting[-1].state[-1]
+            leg = equations.run(now, places[-1] / length, np.zeros(2), wait)
+            leg[:, 0] += time
+            now, time, waits = leg[-1, 3:9], time + wait, waits + 1
         # Of the coming to rest only its end is kept.
-        kept = [slice(0 if k == 0 else 1, None) for k in range(len(moving))] + [slice(-1, None)]
-        legs = [*moving, resting[-1]]
-        state, rod, force, place = (
-            np.concatenate([getattr(leg, name)[part] for leg, part in zip(legs, kept, strict=True)])
-            for name in ("state", "rod", "force", "place")
-        )
-        starts = np.cumsum([0.0, *(leg.time[-1] for leg in (*moving, *resting))])
-        moved = np.concatenate([a + leg.time[part] for a, leg, part in zip(starts, moving, kept, strict=False)])
-        # The rod moves at unit speed, so that its travel is the time.
-        time, path = np.append(moved, starts[-1]), np.append(moved, starts[len(moving)])
-        lever = turned(state[:, 2], np.array([self.slider.centre_of_mass]))
+        rows = np.concatenate([*kept, leg[-1:]])
+        lever = turned(rows[:, 5], np.array([self.slider.centre_of_mass]))
         course = DynamicTrajectory(
-            time=length / self.speed * time,
-            path=length * path,
-            pose=np.column_stack([length * state[:, :2] - lever, state[:, 2]]),
-            velocity=self.speed * state[:, 3:] / (1.0, 1.0, length),
-            pusher=length * rod,
-            contact_point=length * place,
-            contact_force=self.slider.weight * force,
+            time=length / self.speed * rows[:, 0],
+            path=length * np.minimum(rows[:, 0], way),
+            pose=np.column_stack([length * rows[:, 3:5] - lever, rows[:, 5]]),
+            velocity=self.speed * rows[:, 6:9] / (1.0, 1.0, length),
+            pusher=length * rows[:, 1:3],
+            contact_point=length * rows[:, 11:13],
+            contact_force=self.slider.weight * rows[:, 9:11],
         )
         return Pose(*course.pose[-1].tolist()), course
 
 
-class Leg(NamedTuple):
-    """A leg as computed, in the equations' units.
-
-    time : (n,) since its start. rod : (n, 2). state : (n, 6) x, y, theta of the centre of mass, their velocities.
-    force, place : (n, 2) the rod's force on the slider, and where (world frame).
-    """
-
-    time: Array
-    rod: Array
-    state: Array
-    force: Array
-    place: Array
-
-
 @dataclass(frozen=True)
 class LegEquations:
-    """One leg of the rod, in the equations' units; touched: the outline that it pushes, or the ring's place."""
+    """One leg of the rod, in the equations' units; touched: the outline that it pushes, or the ring's place.
+
+    physics : as PHYSICS names them.
+    """
 
     footprint: PointFootprint
     centre: tuple[float, float]
     touched: Outline | tuple[float, float]
     tolerance: float
     samples: int
+    physics: tuple[float, ...] = field(compare=False)
 
-    def run(self, start: Array, rod: Array, velocity: Array, time: float, physics: Mapping[str, float]) -> Leg:
+    def run(self, start: Array, rod: Array, velocity: Array, time: float) -> Array:
         """Move the rod for a time from a place at a velocity, the slider being in the state `start` (6,).
 
-        Raises ConvergenceError where the integrator gives up.
+        Rows (samples + 1, 13): time; the rod's place; x, y, theta of the centre of mass, their velocities; the rod's
+        force on the slider, and where (world frame). Raises ConvergenceError where the integrator gives up.
         """
         integrator, observed = _functions(self)
-        parameters = np.array([*rod, *velocity, time, *(physics[name] for name in PHYSICS)])
+        parameters = np.array([*rod, *velocity, time, *self.physics])
         # Whole turns stay out, since the integrator's error is relative to what it integrates.
         wound = 2.0 * np.pi * np.round(start[2] / (2.0 * np.pi)) * (np.arange(6) == 2)
         try:
@@ -287,8 +254,7 @@ class LegEquations:
         scaled = np.column_stack([(start - wound) / _SCALES, np.array(found["xf"])]) + wound[:, None]
         share = np.linspace(0.0, 1.0, self.samples + 1)
         seen = np.array(observed(share[None], scaled, parameters))
-        path = rod + np.outer(time * share, velocity)
-        return Leg(time * share, path, scaled.T * _SCALES, seen[:2].T, seen[2:].T)
+        return np.column_stack([time * share, rod + np.outer(time * share, velocity), scaled.T * _SCALES, seen.T])
 
 
 @lru_cache(maxsize=32)
@@ -308,8 +274,13 @@ def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
     place = (ca.SX(ca.DM(touched)) if isinstance(touched, tuple) else nearest_place(touched, rod + centre)) - centre
     lever = rod - place
     slip = _turned(rod_velocity - state[3:5], -theta) + omega * ca.vertcat(place[1], -place[0])
-    ringed = isinstance(touched, tuple)
-    local, pin = _in_ring(lever, slip, omega, p) if ringed else (_on_outline(lever, slip, p), 0.0)
+    if isinstance(touched, tuple):
+        # A spring and damper both ways; the root's small addend keeps its derivative finite where there is no force.
+        local = p["stiffness"] * lever + p["damping"] * slip
+        size = ca.sqrt(local[0] ** 2 + local[1] ** 2 + 1e-16)
+        pin = -p["pin_radius"] * size * omega / ca.sqrt(omega**2 + p["creep"] ** 2)
+    else:
+        local, pin = _on_outline(lever, slip, p), 0.0
     floor, floor_torque = _floor(leg, theta, state[3:5], omega, p)
     force = _turned(local, theta)
     torque = floor_torque + pin + place[0] * local[1] - place[1] * local[0]
@@ -334,14 +305,6 @@ def _on_outline(lever: ca.SX, slip: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     normal = ca.if_else(depth > 0.0, ca.fmax(p["stiffness"] * depth + p["damping"] * closing, 0.0), 0.0)
     tangential = p["pusher_mu"] * normal * sideways / ca.sqrt(sideways**2 + p["creep"] ** 2)
     return ca.vertcat(-normal * out[0] - tangential * out[1], -normal * out[1] + tangential * out[0])
-
-
-def _in_ring(stretch: ca.SX, slip: ca.SX, omega: ca.SX, p: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-    """Force of the rod in the ring, a spring and damper both ways, and the friction torque of the pin."""
-    force = p["stiffness"] * stretch + p["damping"] * slip
-    # The root's small addend keeps its derivative finite where there is no force.
-    size = ca.sqrt(force[0] ** 2 + force[1] ** 2 + 1e-16)
-    return force, -p["pin_radius"] * size * omega / ca.sqrt(omega**2 + p["creep"] ** 2)
 
 
 def _floor(

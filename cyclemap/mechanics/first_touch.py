@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
 
-Touch = tuple[float, int, float]
-
 # Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the second, per radius, as
 # well, since wedges are no sharper than a curve's rounding, and a rod that is no point keeps inside its curve there.
 _SEAM, _WEDGE_SEAM = 1e-12, 1e-8
@@ -19,16 +17,6 @@ _SAME_TRAVEL = 1e-12
 OVERLAP = 1e-9
 # Halvings that find an angle to rounding.
 _HALVINGS = 54
-
-
-def first_touch(pieces: tuple[OutlinePiece, ...], radius: float, start: Array, direction: float) -> Touch | None:
-    """Return (travel, piece, coordinate) of the first touch, None if there is none; everything in the slider's frame.
-
-    The rod must not overlap the object at its start. Where it touches two pieces at once, in a wedge, one of them is
-    returned, at its end.
-    """
-    travel, piece, coordinate = first_touches(pieces, radius, np.asarray(start)[None], np.array([direction]))
-    return None if np.isnan(travel[0]) else (max(float(travel[0]), 0.0), int(piece[0]), float(coordinate[0]))
 
 
 def first_touches(

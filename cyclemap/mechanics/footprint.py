@@ -2,8 +2,8 @@
 
 import math
 import re
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +40,10 @@ class PatchFootprint:
     inner_share, rim_share, corner_share : numbers from 0 to 1, together at most 1 (InvalidInput).
     centre : centre of pressure, m; None: the centroid. The pressure must not be negative anywhere (InvalidInput).
 
+    From them: even_share; extent, m, of the outline; second_moments (2, 2), m^2, means of x x^T over its area;
+    gradient, 1/m, and balance, its derivative by the corner share; has_frame, whether it can have an inner and a rim
+    share: the scaled outline lies inside, as it does in every convex one.
+
     >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.25).even_share
     0.75
     """
@@ -49,90 +53,66 @@ class PatchFootprint:
     rim_share: float = 0.0
     corner_share: float = 0.0
     centre: tuple[float, float] = None  # type: ignore[assignment]  # filled in below
+    even_share: float = field(init=False, repr=False, compare=False)
+    extent: float = field(init=False, repr=False, compare=False)
+    second_moments: Array = field(init=False, repr=False, compare=False)
+    gradient: tuple[float, float] = field(init=False, repr=False, compare=False)
+    balance: tuple[float, float] = field(init=False, repr=False, compare=False)
+    has_frame: bool = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        outline = self.outline
         for name in ("inner_share", "rim_share", "corner_share"):
-            object.__setattr__(self, name, finite_number(name.replace("_", " "), getattr(self, name)))
+            vars(self)[name] = finite_number(name.replace("_", " "), getattr(self, name))
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InvalidInput(f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1")
         told = f"inner share {self.inner_share}, rim share {self.rim_share} and corner share {self.corner_share}"
-        if self.even_share < -_ROUNDING:
-            raise InvalidInput(f"{told} add to {1.0 - self.even_share:.6g}: together they may be 1 at most")
-        if self.corner_share != 0.0 and isinstance(self.outline, Ellipse):
+        even_share = 1.0 - self.inner_share - self.rim_share - self.corner_share
+        if even_share < -_ROUNDING:
+            raise InvalidInput(f"{told} add to {1.0 - even_share:.6g}: together they may be 1 at most")
+        if self.corner_share != 0.0 and isinstance(outline, Ellipse):
             raise InvalidInput(f"corner share {self.corner_share}: an ellipse has no corners; choose 0")
-        if (self.inner_share != 0.0 or self.rim_share != 0.0) and not self.has_frame:
+        moments, corners, has_frame = _shape_of(outline)
+        if (self.inner_share != 0.0 or self.rim_share != 0.0) and not has_frame:
             raise InvalidInput(
                 f"inner share {self.inner_share}, rim share {self.rim_share}: the outline scaled by {INNER} about its "
                 "centroid does not lie inside this concave outline; leave both at 0 or give support points"
             )
-        if self._thinness < _THINNEST:
-            raise InvalidInput(
-                f"the outline is {self._thinness:.3g} times as thick as it is long: below {_THINNEST} its pressure "
-                "cannot be summed accurately; give support points along a line instead"
-            )
-        centre = self.outline.centroid if self.centre is None else point("centre of pressure", self.centre)
-        object.__setattr__(self, "centre", centre)
-        lift = self.even_share + float((self.outline.points(720) - self.outline.centroid).dot(self.gradient).min())
+        centre = outline.centroid if self.centre is None else point("centre of pressure", self.centre)
+        off = np.column_stack([np.subtract(centre, outline.centroid) - self.corner_share * corners, -corners])
+        off[:, np.hypot(*off) <= 1e-12 * outline.extent] = 0.0
+        gradient, balance = map(tuple, np.linalg.solve(moments, off).T.tolist())
+        lift = even_share + float((outline.points(720) - outline.centroid).dot(gradient).min())
         if lift < -_ROUNDING:
             raise InvalidInput(
                 f"centre of pressure {centre} m with {told} lifts the outline off the ground (least pressure "
                 f"{lift:.3g} of the mean): bring it nearer to the centroid, leave more of the load even, or give "
                 "support points"
             )
+        vars(self).update(centre=centre, even_share=even_share, extent=outline.extent, second_moments=moments)
+        vars(self).update(gradient=gradient, balance=balance, has_frame=has_frame)
 
-    @property
-    def even_share(self) -> float:
-        """Share of the load that is spread evenly over the outline."""
-        return 1.0 - self.inner_share - self.rim_share - self.corner_share
 
-    @cached_property
-    def has_frame(self) -> bool:
-        """Whether it can have an inner and a rim share: the scaled outline lies inside; always, if it is convex."""
-        if isinstance(self.outline, Ellipse) or self.outline.is_convex:
-            return True
-        return bool(np.all(side_arms(self.outline) > 0.0)) and self.outline.encloses(self.outline.shrunk(INNER))
-
-    @cached_property
-    def gradient(self) -> tuple[float, float]:
-        """How the pressure of the even part leans, 1/m."""
-        return self._lean(np.subtract(self.centre, self.outline.centroid) - self.corner_share * self._corner_lever)
-
-    @cached_property
-    def balance(self) -> tuple[float, float]:
-        """Derivative of `gradient` by the corner share, 1/m."""
-        return self._lean(-self._corner_lever)
-
-    def _lean(self, moment: Array) -> tuple[float, float]:
-        """The gradient of a pressure whose centre is `moment` (m) off the centroid."""
-        if np.hypot(*moment) <= 1e-12 * self.extent:
-            return 0.0, 0.0
-        gx, gy = np.linalg.solve(self.second_moments, moment)
-        return float(gx), float(gy)
-
-    @cached_property
-    def _corner_lever(self) -> Array:
-        if isinstance(self.outline, Ellipse):
-            return np.zeros(2)
-        return np.asarray(self.outline.array.mean(axis=0) - self.outline.centroid)
-
-    @cached_property
-    def _thinness(self) -> float:
-        if isinstance(self.outline, Ellipse):
-            return min(self.outline.semi_x, self.outline.semi_y) / self.extent
-        least = np.linalg.eigvalsh(self.second_moments)[0]
-        return float(np.sqrt(12.0 * max(least, 0.0)) / self.extent)
-
-    @cached_property
-    def second_moments(self) -> Array:
-        """Mean of (r - centroid)(r - centroid)^T over the area, (2, 2), m^2."""
-        points, weights = area_quadrature(self.outline)
-        lever = points - self.outline.centroid
-        return np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
-
-    @property
-    def extent(self) -> float:
-        """Largest distance of the outline from its centroid, m."""
-        return self.outline.extent
+@lru_cache(maxsize=256)
+def _shape_of(outline: Outline) -> tuple[Array, Array, bool]:
+    """Second moments (2, 2), the mean corner off the centroid (2,), and whether it has a frame; refuses thin ones."""
+    points, weights = area_quadrature(outline)
+    lever = points - outline.centroid
+    moments = np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
+    corners, has_frame = np.zeros(2), True
+    if isinstance(outline, Ellipse):
+        thickness = min(outline.semi_x, outline.semi_y) / outline.extent
+    else:
+        thickness = float(np.sqrt(12.0 * max(np.linalg.eigvalsh(moments)[0], 0.0)) / outline.extent)
+        corners = np.asarray(outline.array.mean(axis=0) - outline.centroid)
+        inside = outline.scaled(INNER, outline.centroid)
+        has_frame = outline.is_convex or (bool(np.all(side_arms(outline) > 0.0)) and outline.encloses(inside))
+    if thickness < _THINNEST:
+        raise InvalidInput(
+            f"the outline is {thickness:.3g} times as thick as it is long: below {_THINNEST} its pressure cannot be "
+            "summed accurately; give support points along a line instead"
+        )
+    return moments, corners, has_frame
 
 
 def side_arms(outline: Polygon) -> Array:
@@ -145,49 +125,37 @@ def side_arms(outline: Polygon) -> Array:
 class PointFootprint:
     """Weight carried by points: positions (k, 2), m, and their shares of the load, positive, scaled to sum one.
 
+    From them: quadrature, both as arrays; centre, m, of pressure; extent, m, the largest distance from it.
+
     >>> PointFootprint(((0.0, 0.0), (2.0, 0.0)), (1.0, 3.0)).centre
     (1.5, 0.0)
     """
 
     positions: tuple[tuple[float, float], ...]
     weights: tuple[float, ...]
+    quadrature: tuple[Array, Array] = field(init=False, repr=False, compare=False)
+    centre: tuple[float, float] = field(init=False, repr=False, compare=False)
+    extent: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        positions = finite_array("support points", self.positions, last=2)
+        points = finite_array("support points", self.positions, last=2)
         weights = finite_array("support weights", self.weights)
-        if positions.ndim != 2 or weights.shape != positions.shape[:1]:
-            raise InvalidInput(
-                f"support points (k, 2) and weights (k,) do not match: {positions.shape}, {weights.shape}"
-            )
+        if points.ndim != 2 or weights.shape != points.shape[:1]:
+            raise InvalidInput(f"support points (k, 2) and weights (k,) do not match: {points.shape}, {weights.shape}")
         if np.any(weights < 0.0) or not weights.sum() > 0.0:
             raise InvalidInput(f"support weights must not be negative and not all zero: the least is {weights.min()}")
-        loaded = weights > 0.0
-        positions, weights = positions[loaded], weights[loaded]
-        if np.ptp(positions, axis=0).max() == 0.0:
+        points, weights = points[weights > 0.0], weights[weights > 0.0]
+        if np.ptp(points, axis=0).max() == 0.0:
             raise InvalidInput("a footprint needs two support points apart: one point alone resists no turning")
-        object.__setattr__(self, "positions", tuple(map(tuple, positions.tolist())))
-        object.__setattr__(self, "weights", tuple((weights / weights.sum()).tolist()))
-
-    @cached_property
-    def quadrature(self) -> tuple[Array, Array]:
-        """Points (k, 2), m, and weights (k,) that sum to one."""
-        return np.array(self.positions), np.array(self.weights)
-
-    @cached_property
-    def centre(self) -> tuple[float, float]:
-        """Centre of pressure, m."""
-        points, weights = self.quadrature
+        weights = weights / weights.sum()
         x, y = weights @ points
-        return float(x), float(y)
-
-    @cached_property
-    def extent(self) -> float:
-        """Largest distance of loaded points from the centre of pressure, m."""
-        return float(np.hypot(*(self.quadrature[0] - self.centre).T).max())
-
-    def scaled(self, factor: float) -> "PointFootprint":
-        """Return the footprint with every coordinate times `factor`."""
-        return PointFootprint(tuple(map(tuple, (factor * self.quadrature[0]).tolist())), self.weights)
+        vars(self).update(
+            positions=tuple(map(tuple, points.tolist())),
+            weights=tuple(weights.tolist()),
+            quadrature=(points, weights),
+            centre=(float(x), float(y)),
+            extent=float(np.hypot(*(points - (x, y)).T).max()),
+        )
 
 
 Footprint = PatchFootprint | PointFootprint

@@ -99,8 +99,8 @@ class MaterialPosterior:
     samples : (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name that is unknown or
     given twice, rows of another length, and numbers that are not finite.
 
-    >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).row(1)
-    {'mu_a': 0.26, 'rect1.rim_share': 0.3}
+    >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).samples[1]
+    (0.26, 0.3)
     """
 
     parameters: tuple[str, ...]
@@ -128,10 +128,6 @@ class MaterialPosterior:
 
     def __len__(self) -> int:
         return len(self.samples)
-
-    def row(self, number: int) -> dict[str, float]:
-        """Return one sample by name, in the units of the names."""
-        return dict(zip(self.parameters, self.samples[number], strict=True))
 
 
 @dataclass(frozen=True)
@@ -258,7 +254,7 @@ class Material:
         """
         if self.posterior is None or not 0 <= number < len(self.posterior):
             raise InvalidInput(f"{self.name} has no posterior sample {number}")
-        row = self.posterior.row(number)
+        row = dict(zip(self.posterior.parameters, self.posterior.samples[number], strict=True))
         found = {FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS}
         plates = []
         for one in self.plates:

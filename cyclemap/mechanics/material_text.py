@@ -168,42 +168,37 @@ def material_toml(material: Material) -> str:
     phi_deg = 0.0
     <BLANKLINE>
     """
-    words = {key: getattr(material, key) for key in ("name", "provenance", "misfit")}
-    lines = [f"{key} = {_text(value)}" for key, value in words.items() if value]
-    lines += ["inferred = true"] if material.inferred else []
-    lines += _lines("friction", _numbers(material.friction))
+    tables: dict[str, dict[str, object]] = {"friction": _numbers(material.friction)}
     if material.wear is not None:
-        lines += _lines("worn", {"cycles": material.wear.cycles, **_numbers(material.wear.friction)})
-        lines += [f"course = {[list(pair) for pair in material.wear.course]!r}"] if material.wear.course else []
+        course = {"course": material.wear.course} if material.wear.course else {}
+        tables["worn"] = {"cycles": material.wear.cycles, **_numbers(material.wear.friction), **course}
     found = {key: (getattr(material.found_with, field), unit) for key, (field, unit) in FOUND_KEYS.items()}
-    told = {key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None}
-    lines += _lines("found_with", told) if told else []
-    for one in material.plates:
-        lines += _lines(f"plates.{_key(one.plate)}", {key: value for key, value in one.shares.items() if value})
-    for shift in material.frames:
-        lines += _lines(f"frames.{_key(shift.plate)}", {"shift_x_mm": 1e3 * shift.x, "shift_y_mm": 1e3 * shift.y})
+    told: dict[str, object] = {
+        key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None
+    }
+    tables |= {"found_with": told} if told else {}
+    plates = [("plates", one.plate, {key: x for key, x in one.shares.items() if x}) for one in material.plates]
+    plates += [("frames", one.plate, {"shift_x_mm": 1e3 * one.x, "shift_y_mm": 1e3 * one.y}) for one in material.frames]
+    for kind, plate, numbers in plates:
+        key = plate if re.fullmatch(r"[A-Za-z0-9_-]+", plate) else _text(plate)
+        tables[f"{kind}.{key}"] = dict(numbers)
     if material.noise is not None:
-        lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
-        lines += [f"correlation = {material.noise.correlation!r}"]
+        tables["cycle_noise"] = {"log_sigma": material.noise.log_sigma, "correlation": material.noise.correlation}
     if material.posterior is not None:
-        names = ", ".join(_text(name) for name in material.posterior.parameters)
-        rows = [f"    [{', '.join(map(repr, row))}]," for row in material.posterior.samples]
-        lines += ["", "[posterior]", f"parameters = [{names}]", "samples = [", *rows, "]"]
+        tables["posterior"] = {"parameters": material.posterior.parameters}
+    words = {key: getattr(material, key) for key in ("name", "provenance", "misfit", "inferred")}
+    lines = [f"{key} = {_text(value)}" for key, value in words.items() if value]
+    for name, table in tables.items():
+        lines += ["", f"[{name}]", *(f"{key} = {_text(value)}" for key, value in table.items())]
+    if material.posterior is not None:
+        lines += ["samples = [", *(f"    {_text(row)}," for row in material.posterior.samples), "]"]
     return "\n".join(lines) + "\n"
 
 
-def _numbers(law: EllipseFriction) -> dict[str, float]:
+def _numbers(law: EllipseFriction) -> dict[str, object]:
     return {"mu_a": law.mu_a, "mu_b": law.mu_b, "m0": law.m0, "n0": law.n0, "phi_deg": math.degrees(law.phi)}
 
 
-def _lines(name: str, numbers: dict[str, float]) -> list[str]:
-    return ["", f"[{name}]", *(f"{key} = {float(value)!r}" for key, value in numbers.items())]
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
-
-
-def _text(value: str) -> str:
-    """A TOML basic string: that of JSON, which leaves one control character as it is."""
+def _text(value: object) -> str:
+    """A value in TOML: as in JSON, which leaves one control character as it is."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 
-from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, non_negative_number, positive_number
 from cyclemap.errors import (
     ConvergenceError,
@@ -17,13 +16,13 @@ from cyclemap.errors import (
     TooManySteps,
     UnsupportedContact,
 )
-from cyclemap.mechanics.contact_curve import ContactCurve, OutlinePiece, contact_curve, side_coordinate
+from cyclemap.mechanics.contact_curve import ContactCurve, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
-from cyclemap.mechanics.first_touch import OVERLAP, first_touch
+from cyclemap.mechanics.first_touch import OVERLAP, first_touches
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.outline import Ellipse, Outline
+from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.slider import DragBack, Pose, Pusher, SidePush, Slider, WorldPush
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
@@ -48,6 +47,9 @@ class QuasiStaticModel:
         MIT's loop 99 of 100 cycles came within 0.6 times of it and the worst within 1.2 (asked: 1e-5 to 1e-8, five
         materials); a motion that starts unstable magnifies its error as it does any difference.
 
+    From them: pressure, the footprint in use; weight, N; units of the normalised motion: unit, m, the footprint's
+    extent, and scale, the geometric mean of the friction coefficients; radius, the rod's, in units.
+
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 4), push.ended
@@ -59,38 +61,26 @@ class QuasiStaticModel:
     pusher: Pusher = Pusher()
     footprint: Footprint | None = None
     accuracy: float = 1e-8
+    pressure: Footprint = field(init=False, repr=False, compare=False)
+    weight: float = field(init=False, repr=False, compare=False)
+    unit: float = field(init=False, repr=False, compare=False)
+    scale: float = field(init=False, repr=False, compare=False)
+    radius: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         accuracy = positive_number("accuracy", self.accuracy)
         if not 1e-11 <= accuracy <= 1e-2:
             raise InvalidInput(f"accuracy {accuracy} is out of reach: choose one from 1e-11 to 1e-2 rad")
-        size, whole = self.pressure.extent, self.slider.outline.extent
+        outline, centre, law = self.slider.outline, self.slider.centre_of_mass, self.friction
+        pressure = _patch(outline, centre=centre) if self.footprint is None else self.footprint
+        size, whole = pressure.extent, outline.extent
         if size < _LEAST_FOOTPRINT * whole:
             raise InvalidInput(
                 f"the support points lie within {size * 1e3:.3g} mm of their centre, under an object of "
                 f"{whole * 1e3:.3g} mm: it would tip rather than slide; give points that span it"
             )
-
-    def __getstate__(self) -> dict[str, object]:
-        # What was computed from the fields stays behind.
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-    @cached_property
-    def pressure(self) -> Footprint:
-        """The footprint in use."""
-        if self.footprint is not None:
-            return self.footprint
-        return _under(self.slider.outline, self.slider.centre_of_mass)
-
-    @cached_property
-    def unit(self) -> float:
-        """Unit of length of the normalised motion: the footprint's extent, m."""
-        return self.pressure.extent
-
-    @property
-    def scale(self) -> float:
-        """Unit of the friction coefficients of the normalised motion: their geometric mean."""
-        return math.sqrt(self.friction.mu_a) * math.sqrt(self.friction.mu_b)
+        vars(self).update(pressure=pressure, weight=self.slider.weight, unit=size, radius=self.pusher.radius / size)
+        vars(self).update(scale=math.sqrt(law.mu_a) * math.sqrt(law.mu_b))
 
     @property
     def isotropic(self) -> "QuasiStaticModel":
@@ -100,26 +90,7 @@ class QuasiStaticModel:
     @cached_property
     def curve(self) -> ContactCurve:
         """The contact curve, in units of `unit`."""
-        return contact_curve(self._outline, self.radius)
-
-    @property
-    def pieces(self) -> tuple[OutlinePiece, ...]:
-        """The pieces of the contact curve."""
-        return self.curve.pieces
-
-    @property
-    def radius(self) -> float:
-        """The rod's radius in units of `unit`."""
-        return self.pusher.radius / self.unit
-
-    @cached_property
-    def _outline(self) -> Outline:
-        return _scaled(self.slider.outline, 1.0 / self.unit)
-
-    @property
-    def weight(self) -> float:
-        """The slider's weight, N."""
-        return self.slider.weight
+        return contact_curve(_scaled(self.slider.outline, 1.0 / self.unit), self.radius)
 
     @cached_property
     def _still(self) -> Strokes:
@@ -140,8 +111,7 @@ class QuasiStaticModel:
         Raises InvalidInput for a contact that does not exist or a push that points away, UnsupportedContact where the
         rod would slide without bound or nothing goes on, ConvergenceError where the contact cannot be solved.
         """
-        course = self.course(self.push_strokes(pose, push), pose, longest_step)
-        return self._pushed(pose, run_strokes([course]), course)
+        return self._moved(self.push_strokes(pose, push), pose, longest_step)[0]
 
     def drag(
         self,
@@ -160,18 +130,13 @@ class QuasiStaticModel:
         wherever the ring does not hold the object, but it may end on the way, at an orientation where the ring does:
         raises UnsupportedContact there.
         """
-        course = self.course(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)
-        return self._dragged(pose, run_strokes([course]), course)
+        return self._moved(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)[1]
 
     def cycle(
         self, theta: float, push: SidePush, reset: DragBack, longest_step: float = math.inf
     ) -> tuple[PushResult, DragResult]:
         """Push the slider from orientation theta (rad), its ring at the world's origin, and drag it back there."""
-        pose = self.start_pose(theta)
-        course = self.course(self.cycle_strokes(push, reset), pose, longest_step)
-        ran = run_strokes([course])
-        pushed = self._pushed(pose, ran, course)
-        return pushed, self._dragged(pushed.end, ran, course)
+        return self._moved(self.cycle_strokes(push, reset), self.start_pose(theta), longest_step)
 
     def cycle_strokes(self, push: SidePush, reset: DragBack) -> Strokes:
         """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object do not fit."""
@@ -179,26 +144,18 @@ class QuasiStaticModel:
         dragged = self.drag_strokes((*reset.way_points, _TARGET), reset.pin_friction_radius)
         return replace(pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, with_object=True)
 
-    def ring_place(self, pose: Pose) -> tuple[float, float]:
-        """Return where the ring is in the world at a pose, m."""
-        return pose.to_world(*self.slider.hitch)
-
     def start_pose(self, theta: float) -> Pose:
         """Return the pose with the ring at the world's origin, where every cycle starts."""
-        x, y = self.ring_place(Pose(0.0, 0.0, theta))
+        x, y = Pose(0.0, 0.0, theta).to_world(*self.slider.hitch)
         return Pose(-x, -y, theta)
 
     def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
         """Return what the engine is asked for in a push from a pose; raises as `push` where they do not fit."""
         if isinstance(push, WorldPush):
             return self._from_afar(pose, push)
-        index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
-        contact, _ = self.pieces[index].contact(coordinate, self.radius)
-        # Derivative of the coordinate by the fraction.
-        by_fraction = 2.0 * math.pi
-        if not isinstance(self._outline, Ellipse):
-            corners = self._outline.vertices
-            by_fraction = math.dist(corners[push.side], corners[(push.side + 1) % len(corners)])
+        outline = _scaled(self.slider.outline, 1.0 / self.unit)
+        index, coordinate, by_fraction = side_coordinate(outline, self.curve.pieces, push.side, push.fraction)
+        contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
         return replace(
             self._still,
             start_piece=index,
@@ -209,18 +166,18 @@ class QuasiStaticModel:
         )
 
     def _from_afar(self, pose: Pose, push: WorldPush) -> Strokes:
-        start = np.array(pose.to_object(*push.start)) / self.unit
-        inside = bool(self._outline.contains(start))
-        if inside or self._outline.distance((start[0], start[1])) < self.radius - OVERLAP:
-            raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
-        touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
-        if touch is None:
+        start = np.array([pose.to_object(*push.start)]) / self.unit
+        found = first_touches(self.curve.pieces, self.radius, start, np.array([push.direction - pose.theta]))
+        travel, index, coordinate = float(found[0][0]), int(found[1][0]), float(found[2][0])
+        if math.isnan(travel):
             raise RodMissesObject(
                 f"the rod never touches the object: from {push.start} m its path in direction "
                 f"{push.direction:.6g} rad passes it by or points away"
             )
-        travel, index, coordinate = touch
-        length = push.distance / self.unit - travel
+        contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
+        if travel * math.cos(push.direction - pose.theta - contact.normal) > OVERLAP:
+            raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
+        length = push.distance / self.unit - max(travel, 0.0)
         if length <= 0.0:
             raise RodMissesObject(
                 f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
@@ -241,16 +198,15 @@ class QuasiStaticModel:
         place = (pose.x / self.unit, pose.y / self.unit, pose.theta)
         return Course(strokes, place, self.unit, self.weight, self.scale, longest_step / self.unit)
 
-    def _pushed(self, pose: Pose, ran: Ran, course: Course) -> PushResult:
-        ended = "left" if ran.left[0] else "distance"
-        return PushResult(pose, self._pose(ran.pushed[0]), ended, self.unit * ran.travel[0], course)
-
-    def _dragged(self, pose: Pose, ran: Ran, course: Course) -> DragResult:
-        return DragResult(pose, self._pose(ran.ended[0]), self.unit * float(ran.way[0]), course)
-
-    def _pose(self, row: Array) -> Pose:
-        x, y, theta = row.tolist()
-        return Pose(self.unit * x, self.unit * y, theta)
+    def _moved(self, strokes: Strokes, pose: Pose, longest_step: float) -> tuple[PushResult, DragResult]:
+        """What a push, or nothing, and then a drag, or nothing, come to from a pose."""
+        course, unit = self.course(strokes, pose, longest_step), self.unit
+        ran = run_strokes([course])
+        pushed, end = (
+            Pose(unit * x, unit * y, theta) for x, y, theta in (ran.pushed[0].tolist(), ran.ended[0].tolist())
+        )
+        push = PushResult(pose, pushed, "left" if ran.left[0] else "distance", unit * ran.travel[0], course)
+        return push, DragResult(pushed if strokes.length else pose, end, unit * float(ran.way[0]), course)
 
 
 def run_strokes(courses: Sequence[Course], derivatives: int = 0) -> Ran:
@@ -297,9 +253,7 @@ def refusal(status: int, strokes: Strokes) -> BaseException:
 
 
 # Many models are of few objects.
-@lru_cache(maxsize=256)
-def _under(outline: Outline, centre: tuple[float, float]) -> PatchFootprint:
-    return PatchFootprint(outline, centre=centre)
+_patch = lru_cache(maxsize=256)(PatchFootprint)
 
 
 @lru_cache(maxsize=256)

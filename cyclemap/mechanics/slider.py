@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -59,6 +59,8 @@ class Slider:
         and InvalidInput more than ten times as far from the centre as any of the outline.
     inertia : moment of inertia about the centre of mass, kg m^2; None: unknown.
 
+    From them: weight, N.
+
     >>> Slider.mit("rect1").outline.sides
     4
     """
@@ -69,6 +71,7 @@ class Slider:
     hitch: tuple[float, float] = MIT_HITCH
     inertia: float | None = None
     name: str = "slider"
+    weight: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.outline, (Polygon, Ellipse)):
@@ -80,8 +83,7 @@ class Slider:
         centre = point("centre of mass", centre)
         if not self.outline.contains(np.asarray(centre)):
             raise InvalidInput(f"the centre of mass {centre} m lies outside the outline: the object would tip")
-        object.__setattr__(self, "centre_of_mass", centre)
-        object.__setattr__(self, "hitch", point("hitch", self.hitch))
+        vars(self).update(centre_of_mass=centre, hitch=point("hitch", self.hitch), weight=self.mass * GRAVITY)
         away, size = math.dist(self.hitch, self.outline.centroid), self.outline.extent
         told = f"the ring is {1e3 * away:.4g} mm from the centre of an object that reaches {1e3 * size:.4g} mm"
         if away > _FARTHEST_RING * size:
@@ -98,11 +100,6 @@ class Slider:
             raise unknown_name("slider shape", name, MIT_SHAPE_NAMES)
         outline, mass, inertia = _MIT_SHAPES[name]
         return cls(outline, mass, hitch=hitch, inertia=inertia, name=name)
-
-    @property
-    def weight(self) -> float:
-        """Weight, N."""
-        return self.mass * GRAVITY
 
     def outline_points(self, count: int = 181) -> np.ndarray:
         """Return the closed outline as a polyline (m, 2) in the object frame, m; curves are cut in `count` pieces."""

@@ -30,7 +30,7 @@ def test_a_cycle_starts_and_ends_with_its_ring_at_the_target():
     for theta in (-2.0, 0.0, 9.1):
         cycle = MIT.cycle(theta)
         for pose in (cycle.push.start, cycle.drag.end):
-            assert np.allclose(MIT.model.ring_place(pose), 0.0, atol=1e-16)
+            assert np.allclose(pose.to_world(*MIT.model.slider.hitch), 0.0, atol=1e-16)
         assert cycle.push.start.theta == theta
         assert cycle.theta_next == cycle.drag.end.theta
         assert abs(theta + cycle.push_turn + cycle.drag_turn - cycle.theta_next) < 1e-14

@@ -101,7 +101,8 @@ def test_a_turned_surface_has_its_intervals_turned() -> None:
 
 def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     material = drawn(load_material("plywood"), 1.0, 3, 5)
-    assert sampled_loop(CollectionLoop.mit(material), 1).pusher.friction == material.posterior.row(1)["pusher_mu"]
+    place = material.posterior.parameters.index("pusher_mu")
+    assert sampled_loop(CollectionLoop.mit(material), 1).pusher.friction == material.posterior.samples[1][place]
     loop = CollectionLoop.from_settings({"pusher_mu": 0.3, "rim_share": 0.7}, CollectionLoop.mit(material))
     sample = sampled_loop(loop, 1)
     assert (sample.pusher, sample.footprint) == (loop.pusher, loop.footprint)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint
+from cyclemap.mechanics import Ellipse, LimitSurface, PatchFootprint
 from cyclemap.mechanics.engine.strokes import KINDS
 
 # Modes of a contact on the outline, with the side of the friction cone that its force lies on.
@@ -71,7 +71,7 @@ def check(model, course, pin: float = 0.0) -> Check:
         if mode in ("ring_left", "ring_right"):
             wrench = wrench - np.array((0.0, 0.0, pin * np.hypot(*force) * (1.0 if mode == "ring_left" else -1.0)))
         twist, off = _twist_of(model.pressure, model.friction, wrench, theta, _guess(course, i, back))
-        worst[0] = max(worst[0], off / mu)
+        worst[0] = max(worst[0], off)
         twist = twist / np.abs(twist / scale).max()
         velocity = twist[:2] + twist[2] * np.array((-lever[1], lever[0]))
         if mode in CONTACTS:
@@ -135,114 +135,55 @@ def _normals(model, lever, towards_rod):
 
 
 def _twist_of(footprint, law, wrench, theta, guess):
-    """Twist at which the ground's wrench is the one given, and how far it still is from it (extents)."""
+    """Twist of which a wrench is the ground's, and how far the wrench is from what the ground can do.
+
+    The ground's wrenches are a convex body with the dissipation D for a support function: over all twists V the largest
+    w.V / D(V) is one where w is on its surface, at the twist of which w is the wrench.
+    """
     surface, size = LimitSurface(footprint, law), footprint.extent
     scale = np.array((1.0, 1.0, 1.0 / size))
-    best = None
-    for start in (guess, wrench * scale * scale):
+
+    def power(vector):
+        return float(wrench @ (scale * vector)) / float(surface.dissipation(scale * vector, theta))
+
+    # Newton's method on D^2/2 - w.V, which is convex: its least is at that twist.
+    found = []
+    for start in (guess / scale, wrench * scale):
         if not np.any(start):
             continue
-        found = _newton(surface, scale, wrench, theta, start / np.abs(start / scale).max())
-        if best is None or found[1] < best[1]:
-            best = found
-        if best[1] < 1e-11:
-            break
-    # A support point or loaded corner rests, or is slow, where the centre of rotation is at it or near.
-    resting = []
-    for (x, y), load in _points(footprint) if best[1] >= 1e-11 else ():
-        for spin in (1.0, -1.0):
-            twist = spin * np.array((y, -x, 1.0)) / size
-            off, traction = off_rest(surface, (x, y), load, twist, wrench, theta)
-            resting.append((float(np.abs(scale * off).max()), (x, y), twist, _slip_of(law, traction, theta)))
-    if not resting:
-        return best
-    resting.sort(key=lambda found: found[0])
-    best = min(best, (resting[0][2], resting[0][0]), key=lambda found: found[1])
-    if best[1] > 1e-11:
-        # Where a point with most of the load all but rests, no step of Newton's finds its slip; the convex body does.
-        starts = [best[0], *(twist for _, _, twist, _ in resting[:4])]
-        best = min(best, _touching(surface, scale, wrench, theta, starts), key=lambda found: found[1])
-    for _, _, twist, slip in resting[:4]:
-        for speed in 10.0 ** np.arange(-1.0, -9.0, -1.0):
-            if best[1] > 1e-11:
-                start = twist + speed * np.array((*slip, 0.0))
-                best = min(best, _newton(surface, scale, wrench, theta, start), key=lambda found: found[1])
-    return best
-
-
-def _touching(surface, scale, wrench, theta, starts):
-    """Twist that tells a wrench from the ground's best, and how far the wrench is from the surface in its direction.
-
-    The ground's wrenches are a convex body with the dissipation for a support function: a wrench is on its surface
-    where power less dissipation is zero at most, over all twists of one size, and zero at one.
-    """
-
-    def lost(vector):
-        twist = vector / np.linalg.norm(vector) * scale
-        return float(twist @ (surface.wrench(twist, theta) - wrench))
-
-    exact = {"xatol": 1e-14, "fatol": 1e-17, "maxiter": 4000}
-    tried = [minimize(lost, start / scale, method="Nelder-Mead", options=exact) for start in starts]
-    found = min(tried, key=lambda one: one.fun)
-    return found.x / np.linalg.norm(found.x) * scale, abs(float(found.fun))
-
-
-def _slip_of(law, traction, theta):
-    """Unit velocity (object's frame) at which a point has a traction, or would be if it were on the ellipse."""
-    c, s = math.cos(law.phi - theta), math.sin(law.phi - theta)
-    back = np.array(((c, -s), (s, c)))
-    slip = back @ ((back.T @ traction - (law.m0, law.n0)) / np.square((law.mu_a, law.mu_b)))
-    return slip / max(np.hypot(*slip), 1e-300)
-
-
-def _newton(surface, scale, wrench, theta, twist):
-    off = scale * (wrench - surface.wrench(twist, theta))
-    for _ in range(60):
-        size = np.abs(off).max()
-        if size < 1e-15:
-            break
-        bend = surface.hessian(twist, theta) * np.outer(scale, scale)
-        step = scale * np.linalg.lstsq(bend, off, rcond=1e-11)[0]
-        for share in 0.5 ** np.arange(12):
-            tried = twist + share * step
-            if not np.any(tried):
-                continue
-            tried = tried / np.abs(tried / scale).max()
-            left = scale * (wrench - surface.wrench(tried, theta))
-            if np.abs(left).max() < size:
+        vector = start * power(start) / float(surface.dissipation(scale * start, theta))
+        for _ in range(60):
+            slope = scale * surface.wrench(scale * vector, theta)
+            lost = slope @ vector
+            off = lost * slope - scale * wrench
+            if np.abs(off).max() < 1e-14:
                 break
-        else:
-            break
-        twist, off = tried, left
-    return twist, float(np.abs(off).max())
+            bend = np.outer(slope, slope) + lost * np.outer(scale, scale) * surface.hessian(scale * vector, theta)
+            step, height = -np.linalg.lstsq(bend, off, rcond=1e-13)[0], 0.5 * lost**2 - scale * wrench @ vector
+            for share in 0.5 ** np.arange(12):
+                tried = vector + share * step
+                if np.any(tried) and (
+                    0.5 * surface.dissipation(scale * tried, theta) ** 2 - scale * wrench @ tried < height
+                    or np.abs(share * step).max() < 1e-7 * np.abs(vector).max()
+                ):
+                    break
+            else:
+                break
+            vector = tried
+        found.append(vector)
+    # Where the centre of rotation is at a support point or a loaded corner, or all but there, D has a kink.
+    if abs(max(map(power, found)) - 1.0) > 1e-11:
+        pins = [sign * np.array((y / size, -x / size, 1.0)) for x, y in _points(footprint) for sign in (1.0, -1.0)]
+        found = sorted([*found, *pins], key=power, reverse=True)[:4]
+    if abs(power(found[0]) - 1.0) > 1e-11:
+        exact = {"xatol": 1e-14, "fatol": 1e-17, "maxiter": 4000}
+        found += [minimize(lambda v: -power(v), v, method="Nelder-Mead", options=exact).x for v in found]
+    best = max(found, key=power)
+    return scale * best, abs(power(best) - 1.0)
 
 
 def _points(footprint):
-    """Places and loads of what is a point of the pressure."""
+    """Places of what is a point of the pressure."""
     if isinstance(footprint, PatchFootprint):
-        share = footprint.corner_share / len(footprint.outline.vertices) if footprint.corner_share else 0.0
-        return [(place, share) for place in footprint.outline.vertices] if share else []
-    return list(zip(footprint.positions, footprint.weights, strict=True))
-
-
-def off_rest(surface, place, load, twist, wrench, theta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Wrench (3,) of the ground at a twist about a point, less a contact's; and the traction asked of the point.
-
-    The point takes the force that the others leave, as far as its friction goes.
-    """
-    # Theirs is the whole, at a twist at which the point just moves, less what the point then does.
-    x, y = place
-    fx, fy = load * surface.friction.traction((1.0, 0.0), theta)
-    others = surface.wrench(twist + np.array((1e-11, 0.0, 0.0)), theta) - np.array((fx, fy, x * fy - y * fx))
-    asked = (wrench - others)[:2] / load
-    fx, fy = load * _nearest_held(surface.friction, asked, theta)
-    return others + np.array((fx, fy, x * fy - y * fx)) - wrench, asked
-
-
-def _nearest_held(law: EllipseFriction, traction, theta: float) -> np.ndarray:
-    """A traction (object's frame), drawn towards the friction ellipse's centre until it lies inside."""
-    c, s = math.cos(law.phi - theta), math.sin(law.phi - theta)
-    back = np.array(((c, -s), (s, c)))
-    centre = np.array((law.m0, law.n0))
-    arm = back.T @ traction - centre
-    return back @ (centre + arm / max(1.0, math.hypot(arm[0] / law.mu_a, arm[1] / law.mu_b)))
+        return footprint.outline.vertices if footprint.corner_share else ()
+    return footprint.positions

@@ -73,3 +73,12 @@ def harsh_case(kind: str, seed: int) -> Case:
     points, weights = rng.uniform(-0.04, 0.04, (count, 2)), rng.uniform(0.05, 1.0, count)
     footprint = PointFootprint(tuple(map(tuple, points)), tuple(weights))
     return replace(case, model=replace(case.model, footprint=footprint))
+
+
+def distances(outline, places) -> np.ndarray:
+    """Of places (n, 2) from an outline, which is cut in forty thousand sides if it is an ellipse."""
+    corners = outline.points(40_000)
+    a, edge = corners[:-1], np.diff(corners, axis=0)
+    offset = places[:, None] - a
+    share = np.clip((offset * edge).sum(-1) / (edge * edge).sum(-1), 0.0, 1.0)
+    return np.linalg.norm(offset - share[..., None] * edge, axis=-1).min(axis=1)

@@ -5,12 +5,13 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
+from random_cases import distances
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.replay.replay_table import dataset_sliders
 from cyclemap.mechanics import Polygon
 from cyclemap.mechanics.contact_curve import CornerPiece, SidePiece, contact_curve, side_coordinate
-from cyclemap.mechanics.first_touch import first_touch, first_touches
+from cyclemap.mechanics.first_touch import first_touches
 
 NOTCHED = Polygon([(0, 0), (4, 0), (4, 2), (2, 1), (0, 2)])
 SLOT = Polygon([(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)])
@@ -90,15 +91,6 @@ def cases(draw, seed, count):
             outline = Polygon(points)
             made += 1
             yield outline, float(radius), rng
-
-
-def distances(outline, places):
-    """Of many places from a polygon (`Polygon.distance` takes one)."""
-    a = outline.array
-    edge = np.roll(a, -1, axis=0) - a
-    offset = places[:, None] - a
-    share = np.clip((offset * edge).sum(-1) / (edge * edge).sum(-1), 0.0, 1.0)
-    return np.linalg.norm(offset - share[..., None] * edge, axis=-1).min(axis=1)
 
 
 def centres(curve, index, count=33):
@@ -234,6 +226,12 @@ def test_sizes_do_not_matter():
         assert length(thin) == pytest.approx(1e-3 * length(flat), rel=1e-12)
 
 
+def first_touch(pieces, radius, start, direction):
+    """Travel, piece and coordinate of one rod's; None where there is no touch."""
+    (travel,), (piece,), (coordinate,) = first_touches(pieces, radius, np.array([start]), np.array([direction]))
+    return None if math.isnan(travel) else (max(travel, 0.0), piece, coordinate)
+
+
 def marched(outline, radius, start, toward):
     """Travel of a rod that goes as far as nothing can be in its way, again and again; None where it gets away."""
     travel = 0.0
@@ -297,7 +295,7 @@ def test_a_rod_aimed_into_a_wedge_touches_at_the_end_of_one_of_its_pieces():
 
 def test_a_side_is_touched_where_its_pieces_are():
     curve = contact_curve(SLOT, 0.2)
-    index, coordinate = side_coordinate(SLOT, curve.pieces, 4, 0.5)
+    index, coordinate, _ = side_coordinate(SLOT, curve.pieces, 4, 0.5)
     assert curve.pieces[index].side == 4 and coordinate == 0.5
     for fraction, radius in ((0.1, 0.2), (0.5, 0.7)):
         with pytest.raises(InvalidInput, match="concave corner"):
@@ -307,12 +305,12 @@ def test_a_side_is_touched_where_its_pieces_are():
     hooked = Polygon([(0, 0), *hook, (0, 3.2)])
     floor = [(p.low, p.high) for p in contact_curve(hooked, 0.2).pieces if isinstance(p, SidePiece) and p.side == 2]
     assert np.allclose(floor, [(0.0, 4.8 - math.sqrt(0.03)), (5.0 + math.sqrt(0.03), 7.8)])
-    index, coordinate = side_coordinate(hooked, contact_curve(hooked, 0.2).pieces, 2, 0.75)
+    index, coordinate, _ = side_coordinate(hooked, contact_curve(hooked, 0.2).pieces, 2, 0.75)
     assert contact_curve(hooked, 0.2).pieces[index].high == pytest.approx(7.8) and coordinate == 6.0
 
 
 def overlaps(outline, radius, place):
-    return outline.contains(place) or outline.distance(place) < radius - 1e-9
+    return outline.contains(place) or distances(outline, np.array([place]))[0] < radius - 1e-9
 
 
 @pytest.mark.slow
@@ -321,25 +319,17 @@ def test_a_touch_lies_behind_a_rod_that_went_on_inside(name):
     """A rod that starts inside touched where one that came the same way from outside does."""
     outline = dataset_sliders()[name].outline
     radius, rng = 0.00475, np.random.default_rng(5)
-    curve = contact_curve(outline, radius)
+    pieces = contact_curve(outline, radius).pieces
     starts = rng.uniform(-2.0, 2.0, (120, 2)) * outline.extent
     starts = starts[[not overlaps(outline, radius, place) for place in starts]]
     directions = np.arctan2(*(-starts).T[::-1]) + rng.normal(0.0, 0.4, len(starts))
-    travel, piece, coordinate = first_touches(curve.pieces, radius, starts, directions)
-    met = 0
-    for number, (start, direction) in enumerate(zip(starts, directions.tolist(), strict=True)):
-        one = first_touch(curve.pieces, radius, start, direction)
-        if one is None:
-            assert math.isnan(travel[number])
-            continue
-        assert one[1] == piece[number]
-        assert (one[0], one[2]) == pytest.approx((travel[number], coordinate[number]), rel=1e-9, abs=1e-12)
-        behind = start + (one[0] + 1e-3) * np.array([math.cos(direction), math.sin(direction)])
-        if overlaps(outline, radius, behind):
-            back = first_touches(curve.pieces, radius, behind[None], np.array([direction]))[0][0]
-            assert back == pytest.approx(-1e-3, abs=1e-10)
-            met += 1
-    assert met > 30
+    travel, piece, coordinate = first_touches(pieces, radius, starts, directions)
+    behind = starts + (travel + 1e-3)[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=-1)
+    inside = np.array([bool(np.isfinite(place[0])) and overlaps(outline, radius, place) for place in behind])
+    assert inside.sum() > 30
+    back, same, there = first_touches(pieces, radius, behind[inside], directions[inside])
+    assert back == pytest.approx(-1e-3, abs=1e-10) and np.all(same == piece[inside])
+    assert there == pytest.approx(coordinate[inside], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["rect1", "hex", "ellip3"])

@@ -78,11 +78,6 @@ LOOPS = {
         0.5,
         {"ring_left", "ring_right", "ring_stuck"},
     ),
-    "a hexagon on strong friction": (
-        loop_of("hex", rod=(0.00475, 0.3), push=SidePush(2, 0.35, 0.3, 0.04), surface=STRONG),
-        -2.0,
-        {"distance"},
-    ),
     "an ellipse that is left": (
         loop_of("ellip3", rod=(0.00475, 0.1), push=SidePush(0, 0.13, 0.8, 0.15), surface=STRONG),
         0.7,
@@ -98,12 +93,10 @@ LOOPS = {
         0.4,
         {"slide_free"},
     ),
-    "legs of a triangle": (loop_of("tri2", 0.3, 0.1, 0.1, reset=DragBack(LEGS, 0.006)), -2.0, {"ring_left"}),
-    "legs of an ellipse": (loop_of("ellip2", 0.1, 0.4, reset=DragBack(LEGS, 0.0005)), 0.5, {"ring_left", "ring_right"}),
 }
 # What has all parameters.
 SOLID = ("square", "leaning square", "triangle", "L shape", "point rod", "leaving", "around a corner")
-SOLID += ("a hexagon on strong friction", "a frictionless rod")
+SOLID += ("a frictionless rod",)
 
 
 def changed(loop, name, amount):

@@ -13,10 +13,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from refusals import refused
 
-from cyclemap.errors import CycleMapError, EngineNotBuilt
+from cyclemap.errors import EngineNotBuilt
 from cyclemap.mechanics.engine import library
 from cyclemap.mechanics.engine.library import digest_of, is_built, library_path
+from cyclemap.mechanics.engine.strokes import LAYOUT
 
 ROOT = Path(__file__).parents[2]
 ENGINE = Path("cyclemap") / "mechanics" / "engine"
@@ -29,9 +31,6 @@ DRIVER = """#include "kernels.c"
 #include "driver.c"
 __attribute__((visibility("default"))) const char *cm_version(void) { return ENGINE_VERSION; }
 __attribute__((visibility("default"))) double cm_double(double x) { return driver(x); }
-__attribute__((visibility("default"))) void cm_run(void) {}
-__attribute__((visibility("default"))) void cm_record(void) {}
-__attribute__((visibility("default"))) void cm_friction(void) {}
 """
 # A compiler that fails with colours, a window title, a bell and bytes that are no text.
 BROKEN = "#!/bin/sh\nprintf '\\033[1;31mno licence\\033[0m \\377\\033]0;title\\007\\007\\n' >&2\nexit 7\n"
@@ -86,15 +85,23 @@ def files_of(checkout: Path) -> set[Path]:
 
 
 @needs_compiler
-def test_library_runs_tells_its_sources_and_is_all_that_is_left(checkout) -> None:
-    """The compiled functions answer; the version is the digest of the sources; nothing else is left behind."""
+def test_library_runs_tells_its_sources_is_all_that_is_left_and_is_taken_as_it_is_without_sources(checkout) -> None:
+    """The version is the digest of the sources; without the C files, as in an installed package, there is none."""
     before, engine = files_of(checkout), checkout / ENGINE
     assert built(checkout).returncode == 0
     loaded = library.open_engine(engine)
-    loaded.cm_double.restype, loaded.cm_double.argtypes = library.ctypes.c_double, [library.ctypes.c_double]
+    loaded.cm_double.restype, loaded.cm_double.argtypes = ctypes.c_double, [ctypes.c_double]
     assert loaded.cm_double(21.0) == 42.0
     assert loaded.cm_version().decode() == digest_of(engine)
     assert files_of(checkout) - before == {library_path(engine).relative_to(checkout)}
+    for path in engine.glob("*.c"):
+        path.unlink()
+    assert digest_of(engine) is None
+    assert len(library.open_engine(engine).cm_version()) == 64
+    damaged = engine.rename(checkout / "damaged")
+    library_path(damaged).unlink()
+    library_path(damaged).write_bytes(b"no library")
+    refused(library.open_engine, damaged, told=r"cannot be loaded \(.*\): in a checkout, ", kind=EngineNotBuilt)
 
 
 @pytest.mark.slow
@@ -103,35 +110,17 @@ def test_library_runs_tells_its_sources_and_is_all_that_is_left(checkout) -> Non
 def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
     """A library of other sources than those beside it is never used in silence, and one build mends that."""
     engine = checkout / ENGINE
-    with pytest.raises(EngineNotBuilt, match=r"missing: in a checkout, `python3 run\.py doctor` or `pip"):
-        library.open_engine(engine)
+    told = r"missing: in a checkout, `python3 run\.py doctor` or `pip"
+    refused(library.open_engine, engine, told=told, kind=EngineNotBuilt)
     built(checkout)
     (engine / "strokes.py").write_text("# calls it otherwise\n")
     assert is_built(engine)
     with (engine / name).open("a") as file:
         file.write("\n\n")
     assert not is_built(engine)
-    with pytest.raises(EngineNotBuilt, match="not made from the sources beside it"):
-        library.open_engine(engine)
+    refused(library.open_engine, engine, told="not made from the sources beside it", kind=EngineNotBuilt)
     built(checkout)
     assert library.open_engine(engine).cm_version().decode() == digest_of(engine)
-
-
-@needs_compiler
-def test_installed_package_is_without_sources_to_compare(checkout) -> None:
-    """Without the C files there is no digest, and the library is taken as it is."""
-    built(checkout)
-    for path in (checkout / ENGINE).glob("*.c"):
-        path.unlink()
-    assert digest_of(checkout / ENGINE) is None
-    assert len(library.open_engine(checkout / ENGINE).cm_version()) == 64
-    damaged = (checkout / ENGINE).rename(checkout / "damaged")
-    library_path(damaged).unlink()
-    library_path(damaged).write_bytes(b"no library")
-    with pytest.raises(EngineNotBuilt, match=r"cannot be loaded \(.*\): in a checkout, ") as refusal:
-        library.open_engine(damaged)
-    assert isinstance(refusal.value, CycleMapError)
-    assert "\n" not in str(refusal.value)
 
 
 @needs_shell
@@ -224,16 +213,6 @@ def test_build_and_package_allow_the_same_versions() -> None:
     assert needed <= set(project["project"]["dependencies"])
 
 
-def test_engine_of_this_installation_is_made_from_its_sources() -> None:
-    """The library loads once, and tells the digest of the sources beside it."""
-    engine = library.load()
-    assert engine is library.load()
-    assert engine.cm_version().decode() == (digest_of(Path(library.__file__).parent) or engine.cm_version().decode())
-
-
 def test_python_and_the_library_agree_on_what_they_pass_each_other() -> None:
     """Sizes of structures and rows stand in Python and in C: a row too short would be read beyond its end."""
-    from cyclemap.mechanics.engine.library import load
-    from cyclemap.mechanics.engine.strokes import LAYOUT
-
-    assert tuple((ctypes.c_int64 * len(LAYOUT)).in_dll(load(), "cm_layout")) == LAYOUT
+    assert tuple((ctypes.c_int64 * len(LAYOUT)).in_dll(library.load(), "cm_layout")) == LAYOUT

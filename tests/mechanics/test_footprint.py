@@ -36,15 +36,6 @@ PRESSURES = {
 TWISTS = np.array([[1.0, 0.3, 0.5], [-0.2, 1.0, 2.0], [0.1, 0.1, 1.0], [0.5, -1.0, 0.1]])
 
 
-def test_the_grid_is_the_papers_eight_by_eight():
-    grid = grid_footprint(SQUARE, 8)
-    places = np.array(grid.positions)
-    assert len(places) == 64
-    assert np.allclose(np.unique(places[:, 0].round(9)), 0.09 * ((np.arange(8) + 0.5) / 8 - 0.5))
-    assert np.allclose(grid.weights, 1 / 64)
-    assert np.allclose(grid.centre, 0.0, atol=1e-17)
-
-
 def test_points_keep_their_shares_scaled_to_one_and_drop_what_carries_nothing():
     footprint = PointFootprint(((0, 0), (1, 0), (0, 1)), (2, 0, 6))
     assert footprint.positions == ((0.0, 0.0), (0.0, 1.0))
@@ -77,17 +68,7 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
 def test_a_bad_csv_file_is_told_by_name_in_one_line(tmp_path, text, told):
     path = tmp_path / "feet.csv"
     path.write_text(text)
-    with pytest.raises(DataFileError, match=told) as refusal:
-        load_footprint(path)
-    assert "feet.csv" in str(refusal.value)
-    assert "\n" not in str(refusal.value)
-
-
-def test_missing_folders_and_binary_files_are_told_too(tmp_path):
-    binary = tmp_path / "feet.csv"
-    binary.write_bytes(bytes(range(128, 256)))
-    for path, told in ((tmp_path / "absent.csv", "no such file"), (tmp_path, "cannot be read"), (binary, "not UTF-8")):
-        refused(load_footprint, path, told=told, kind=DataFileError)
+    refused(load_footprint, path, told=rf"feet\.csv.*{told}", kind=DataFileError)
 
 
 def test_words_name_footprints_and_others_are_refused():

@@ -145,9 +145,6 @@ def test_a_bad_material_file_is_told_by_name(tmp_path, text, told):
 
 def test_a_material_file_that_cannot_be_read_is_told(tmp_path):
     refused(load_material, tmp_path / "absent.toml", told="no such", kind=DataFileError)
-    folder = tmp_path / "folder.toml"
-    folder.mkdir()
-    refused(load_material, folder, told="cannot be read", kind=DataFileError)
 
 
 RICH = Material(

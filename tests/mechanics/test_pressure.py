@@ -17,9 +17,6 @@ from cyclemap.mechanics import (
     PatchFootprint,
     PointFootprint,
     Polygon,
-    Pose,
-    QuasiStaticModel,
-    SidePush,
     Slider,
     corner_footprint,
     grid_footprint,
@@ -201,30 +198,6 @@ def test_no_digit_is_lost_where_far_twists_are_summed_anew(name):
     wrench = surface.wrench(np.stack([y, -x, np.ones_like(x)], axis=-1) / away[:, None]) / (1.0, 1.0, outline.extent)
     bends = np.diff(wrench.reshape(80, 200, 3), n=2, axis=1)
     assert np.abs(bends).max() < 2e-12
-
-
-def cells(inner, corner, count):
-    """The square's even, inner and corner load on points: cells of the plate and of its inner part."""
-    place = 0.09 * ((np.arange(count) + 0.5) / count - 0.5)
-    grid = np.stack([axis.ravel() for axis in np.meshgrid(place, place)], axis=-1)
-    points = np.concatenate([grid, 0.55 * grid, SQUARE.array])
-    even = (1.0 - inner - corner) / len(grid)
-    weights = np.concatenate([np.full(len(grid), even), np.full(len(grid), inner / len(grid)), np.full(4, corner / 4)])
-    return PointFootprint(tuple(map(tuple, points.tolist())), tuple(weights.tolist()))
-
-
-def test_a_push_is_that_on_points_of_the_same_pressure_as_their_spacing_goes_to_zero():
-    """The points' error is of second order in their spacing."""
-    law, push = EllipseFriction(0.35, 0.2, 0.05, -0.03, 0.7), SidePush(distance=0.04)
-    exact = QuasiStaticModel(Slider.mit("rect1"), law, footprint=PatchFootprint(SQUARE, 0.3, 0.0, 0.25))
-    wanted = exact.push(Pose(theta=0.4), push).turn
-    turns = [
-        replace(exact, footprint=cells(0.3, 0.25, n), accuracy=1e-6).push(Pose(theta=0.4), push).turn for n in (8, 16)
-    ]
-    effect = abs(replace(exact, footprint=None).push(Pose(theta=0.4), push).turn - wanted)
-    assert effect > math.radians(0.3)
-    assert abs(turns[1] - wanted) < 0.05 * effect
-    assert abs((4.0 * turns[1] - turns[0]) / 3.0 - wanted) < 0.01 * effect
 
 
 @pytest.mark.parametrize(

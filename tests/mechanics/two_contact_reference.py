@@ -1,4 +1,4 @@
-"""A second route to what a rod that touches one or two places of an outline does: every mode, tried at an instant.
+"""A second route to what a rod that touches two places of an outline does: every mode that keeps both, at an instant.
 
 Plain NumPy and SciPy; friction is any function (twist, theta) -> grad D. The equations are those of
 docs/theory/two-contacts.md. Lengths m, angles rad; twists, forces and contacts in the object's frame, forces per unit
@@ -96,46 +96,6 @@ def free_spin(instant, place, velocity):
     return brentq(torque, *sorted((inner, outer)), xtol=1e-15 / instant.extent, rtol=1e-15)
 
 
-def sliding_twist(instant, contact, sense):
-    """The twist, up to a factor, that a force along the cone's edge -n + sense mu t drives, and the force's size.
-
-    The contact moves within a right angle of that force, and the force turns as the contact's velocity does.
-    """
-    edge = -contact.normal + sense * instant.mu * contact.tangent
-    toward = math.atan2(edge[1], edge[0])
-
-    def spun(angle):
-        return instant.about(contact.point, unit(angle), free_spin(instant, contact.point, unit(angle)))
-
-    def across(angle):
-        return cross(spun(angle)[1], edge)
-
-    twist, force, _ = spun(brentq(across, toward - math.pi / 2.0, toward + math.pi / 2.0, xtol=1e-15, rtol=1e-15))
-    return twist, -force @ contact.normal
-
-
-def one_contact(instant, contact, opens=()):
-    """Modes that keep one contact; `opens` are the others that touch, which must open."""
-    n, t, u = contact.normal, contact.tangent, instant.velocity
-
-    def gaps(twist):
-        velocity = twist[:2] + twist[2] * quarter(instant.centre(contact))
-        return [other.normal @ (u - velocity) for other in opens]
-
-    twist, force, _ = instant.about(contact.point, u, free_spin(instant, contact.point, u))
-    normal, tangential = -force @ n, force @ t
-    margins = [instant.mu * normal - tangential, instant.mu * normal + tangential, *gaps(twist)]
-    found = [Mode("stick", twist, ((normal, tangential),), np.array(margins))]
-    for sense, name in ((1.0, "slide+"), (-1.0, "slide-")):
-        twist, normal = sliding_twist(instant, contact, sense)
-        velocity = twist[:2] + twist[2] * quarter(np.array(contact.point))
-        factor = (n @ u) / (n @ velocity)
-        twist, velocity = factor * twist, factor * velocity
-        margins = [factor, normal, sense * (u - velocity) @ t, *gaps(twist)]
-        found.append(Mode(name, twist, ((normal, sense * instant.mu * normal),), np.array(margins)))
-    return found
-
-
 def wedge_turns(instant, contacts, sense):
     """Modes that keep both contacts and turn about the rod: a bearing whose friction opposes the turn."""
     place, u, mu = instant.centre(contacts[0]), instant.velocity, instant.mu
@@ -193,14 +153,3 @@ def modes_of_both(instant, contacts):
         return [point_pivots(instant, contacts)]
     turns = [mode for sense in (1.0, -1.0) for mode in wedge_turns(instant, contacts, sense)]
     return [*turns, wedge_sticks(instant, contacts)]
-
-
-def consistent_modes(instant, contacts):
-    """The modes of two contacts that hold, as (kept, mode)."""
-    found = [("both", mode) for mode in modes_of_both(instant, contacts)]
-    for kept in (0, 1):
-        for mode in one_contact(instant, contacts[kept], (contacts[1 - kept],)):
-            # At a vertex a point that sticks to one side sticks to both.
-            if instant.radius > 0.0 or mode.name != "stick":
-                found.append((str(kept), mode))
-    return [(kept, mode) for kept, mode in found if mode.margins.min() > 0.0]

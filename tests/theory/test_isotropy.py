@@ -36,7 +36,7 @@ def test_the_ellipsoids_drag_turn_is_five_degrees_more_than_the_squares():
     """MIT's push: the square turns back by 66.52 degrees, the ellipsoid of its second moment by 71.50."""
     loop = loop_with()
     cycle = loop.cycle(0.0)
-    ring = np.array(loop.model.ring_place(cycle.push.end))
+    ring = np.array(cycle.push.end.to_world(*loop.model.slider.hitch))
     hx, hy = loop.slider.hitch
     kappa = math.hypot(hx, hy) / (hx**2 + hy**2 + 0.09**2 / 12)
     numbers = {

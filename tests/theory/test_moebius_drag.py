@@ -102,7 +102,7 @@ def test_a_disc_and_a_square_turn_less_than_their_ellipsoid_by_up_to_twelve_degr
     lag = []
     for psi in (0.01, 0.5, 1.5, 2.5):
         pose = Pose(0.0, 0.0, psi - base)
-        x, y = model.ring_place(pose)
+        x, y = pose.to_world(*model.slider.hitch)
         end = model.drag(pose, ((x + 0.1, y),)).end.theta + base
         lag.append(math.degrees(end - after(psi, lever, math.sqrt(second_moment), 0.1)))
     assert abs(lag[0]) < 1e-5

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.collection import Anisotropy, CollectionLoop, Fingerprint, Prediction, TurnResponse
+from cyclemap.collection import Anisotropy, Fingerprint, Prediction, TurnResponse
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
-from cyclemap.mechanics import EllipseFriction, load_material
+from cyclemap.mechanics import EllipseFriction
 from theory import normal_form as theory
 from theory.plane_rotation import rotation
 
@@ -70,16 +70,10 @@ def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
 
 
 def test_dissipation_is_homogeneous_so_that_the_scale_of_friction_drops_out_of_the_motion() -> None:
-    """Symbolically by Euler's identity, and in the code: mu_a ∂a + mu_b ∂b + m0 ∂m + n0 ∂n of the cycle vanishes."""
+    """By Euler's identity."""
     law = theory.dissipation(sp.Matrix(sp.symbols("v_x v_y", real=True)))
     scales = (theory.MU_A, theory.MU_B, theory.M0, theory.N0)
     assert sp.simplify(sum(one * sp.diff(law, one) for one in scales) - law) == 0
-    names = ("mu_a", "mu_b", "m0", "n0")
-    friction = load_material("plywood").friction
-    jacobian = CollectionLoop.mit(material="plywood").sensitivity(1.3, names).jacobian
-    values = np.array([getattr(friction, name) for name in names])
-    assert np.abs(jacobian).max() > 1.0
-    assert jacobian @ values == pytest.approx(np.zeros(6), abs=1e-6)
 
 
 def test_other_measures_of_the_ellipse_differ_at_third_order_only() -> None:

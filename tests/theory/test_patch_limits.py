@@ -8,7 +8,7 @@ import sympy as sp
 
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon, grid_footprint
 from theory import patch_limits as theory
-from theory.patch_dissipation import side_term, traction_matrix, velocity_image
+from theory.patch_dissipation import traction_matrix, velocity_image
 
 LAW = EllipseFriction(0.31, 0.17, phi=0.8)
 SQUARE = Polygon(((-0.045, -0.045), (0.045, -0.045), (0.045, 0.045), (-0.045, 0.045)))
@@ -36,34 +36,6 @@ def test_the_codes_patch_near_translation_is_the_second_order_form_with_an_error
         errors.append(abs(float(found) - predicted_near_translation(patch, velocity, omega)))
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert np.abs(orders - order).max() < 0.1
-
-
-@pytest.mark.slow
-def test_rounding_in_the_sum_over_sides_grows_with_the_distance_of_the_centre_of_rotation():
-    """In double precision, against the same sum with 60 digits: within a few units of rounding over epsilon."""
-    assert theory.cancellation() == sp.Rational(1, 3)
-    d, t_0, t_1 = sp.symbols("d t_0 t_1", real=True)
-    term = sp.lambdify((d, t_0, t_1), side_term(d, t_0, t_1))
-    rng, worst = np.random.default_rng(0), []
-    for epsilon in (1e-1, 1e-3, 1e-5):
-        errors = []
-        for e in epsilon * rng.uniform(0.5, 2.0, 30):
-            sides = ((1 + e, -e, e), (e, -1 - e, -1 + e), (e - 1, -e, e), (e, 1 - e, 1 + e))
-            mean = sum(term(*side) for side in sides) / (4 * e**2)
-            exact = 1 + e**2 / 6 + (fourth_order(e) if e > 1e-2 else 0)
-            errors.append(abs(mean / exact - 1.0))
-        worst.append(max(errors) * epsilon / np.finfo(float).eps)
-    assert min(worst) > 0.01
-    assert max(worst) < 20.0
-
-
-def fourth_order(e):
-    """Mean of |w| less 1 + e^2/6, with 60 digits."""
-    precise = sp.Float(str(e), 60)
-    sides = ((1 + precise, -precise, precise), (precise, -1 - precise, -1 + precise))
-    sides += ((precise - 1, -precise, precise), (precise, 1 - precise, 1 + precise))
-    mean = sum(side_term(*side) for side in sides) / (4 * precise**2)
-    return float(mean - 1 - precise**2 / 6)
 
 
 def image_of(outline, twist):

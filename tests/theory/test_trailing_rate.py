@@ -118,7 +118,7 @@ def test_the_codes_drag_keeps_the_fixed_direction_and_contracts_at_this_rate(nam
 
         def end(theta, model=model, goal=goal):
             pose = Pose(0.0, 0.0, theta)
-            x, y = model.ring_place(pose)
+            x, y = pose.to_world(*model.slider.hitch)
             return model.drag(pose, ((x + goal[0], y + goal[1]),)).end.theta
 
         assert abs(end(leading) - leading) < 1e-11

@@ -159,7 +159,7 @@ def predicted_push_ends(
     direction, length = np.array([(push.direction, push.length) for push in pushes]).T
     x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
     starts = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
-    travel, piece, coordinate = first_touches(model.pieces, model.radius, starts, direction - theta)
+    travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, starts, direction - theta)
     for number in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
         at, pose = pushes[number].tip_start, pushes[number].start
         raise InvalidInput(f"the rod at {at} m lies deep inside the object at {pose}: check the frames")
@@ -186,7 +186,7 @@ def predicted_push_ends(
 
 def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     """Derivatives of a side push's start, angle and length (extents, rad) by a shift of the rod's path (m), (3, 2)."""
-    piece, coordinate = model.pieces[strokes.start_piece], strokes.start_coordinate
+    piece, coordinate = model.curve.pieces[strokes.start_piece], strokes.start_coordinate
     contact, speed = piece.contact(coordinate, model.radius)
     c, s = math.cos(contact.normal + theta), math.sin(contact.normal + theta)
     normal, tangent = np.array((c, s)), np.array((-s, c))

@@ -15,7 +15,7 @@ from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
-from cyclemap.mechanics.first_touch import first_touch
+from cyclemap.mechanics.first_touch import first_touches
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3
@@ -134,11 +134,11 @@ def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> tuple[Arr
             there = f"({place[0]:.4f}, {place[1]:.4f}) m"
             raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
         rod = np.array(pose.to_object(*place)) / model.unit
-        touch = first_touch(model.pieces, model.radius, rod, direction - pose.theta)
+        touch = first_touches(model.curve.pieces, model.radius, rod[None], np.array([direction - pose.theta]))[0]
         left = touched
-        if touch is not None and touch[0] * model.unit < length:
+        if touch[0] * model.unit < length:
             push = model.push(pose, WorldPush(place, direction, length), _SAMPLE_SPACING)
-            course, at = push.trajectory, done + touch[0] * model.unit
+            course, at = push.trajectory, done + max(float(touch[0]), 0.0) * model.unit
             travels += [np.array([at]), at + course.path]
             poses += [poses[-1][-1:], course.pose]
             pose, touched, left = push.end, True, push.ended == "left"

@@ -59,11 +59,31 @@ static int rule_for(const double *reach, double first, double complex second, do
     return bent;
 }
 
+/* Derivative of the wrench as M moves, of chords of a pressure f0 + tau f1, |tau| <= q, from their middles p along e; u:
+   the one direction in which a chord moves. */
+static void move_chords(Friction *f, const Lanes *of, double load) {
+    for (int k = 0; k < LANES; ++k) {
+        double given[11], found[3], *results[] = {found}, *moment = given + 6;
+        double f0 = of[6][k], f1 = of[7][k], first = of[8][k], second = of[9][k], by_speed = of[10][k], q = of[11][k];
+        double two = 2.0 * q, cube = 2.0 / 3.0 * q * q * q;
+        for (int i = 0; i < 6; ++i) given[i] = of[i][k];
+        /* int (first + second tau) (f0 + f1 tau) (1, tau), and int (f0 + f1 tau) (1, tau, tau^2) by_speed */
+        moment[0] = two * first * f0 + cube * second * f1;
+        moment[1] = cube * (first * f1 + second * f0);
+        moment[2] = two * f0 * by_speed;
+        moment[3] = cube * f1 * by_speed;
+        moment[4] = cube * f0 * by_speed;
+        const double *all[] = {f->twist, f->matrix, given, f->toward};
+        chord_toward(all, results, 0, 0, 0);
+        add(f->wrench, found, load, 3);
+    }
+}
+
 /* Chords through the centre of rotation at angles t, for a width of them: along each, all of it moves along one
    direction u. Outside, a chord's distance from the middle is sin t; inside, its angle from the direction to the middle
    is t. root: of 1 - (size sin t)^2. */
-static ALWAYS_INLINE void add_chords(const Ellipse *e, int far, int leans, const Lanes *cosine, const Lanes *sine,
-                                     const Lanes *root, const Lanes *width, Sums *sums) {
+static ALWAYS_INLINE void add_chords(Friction *f, const Ellipse *e, int far, int leans, const Lanes *cosine, const Lanes *sine,
+                                     const Lanes *root, const Lanes *width, double load, Sums *sums) {
     Lanes c = *cosine, s = *sine, ex, ey, offset, q, wx, wy, first, second;
     if (far) {
         Lanes across = e->size * s;
@@ -101,10 +121,15 @@ static ALWAYS_INLINE void add_chords(const Ellipse *e, int far, int leans, const
     }
     /* the pressure along the chord is f0 + tau f1, |tau| <= q */
     Lanes px = -e->semi[0] * ey * offset, py = e->semi[1] * ex * offset;
+    Lanes f0 = e->level + e->slope[0] * px + e->slope[1] * py;
+    Lanes f1 = e->slope[0] * e->semi[0] * ex + e->slope[1] * e->semi[1] * ey;
+    if (f->toward) {
+        const Lanes of[] = {ux, uy, px, py, e->semi[0] * ex, e->semi[1] * ey, f0, f1, first, second, by_speed, q};
+        move_chords(f, of, load);
+        return;
+    }
     Lanes two = 2.0 * q, cube = two * q * q * (1.0 / 3.0), even = two * first, odd = cube * second, k = two * by_speed;
     if (leans) {
-        Lanes f0 = e->level + e->slope[0] * px + e->slope[1] * py;
-        Lanes f1 = e->slope[0] * e->semi[0] * ex + e->slope[1] * e->semi[1] * ey;
         even = even * f0 + odd * f1;
         odd = odd * f0 + cube * first * f1;
         k *= f0;
@@ -121,56 +146,13 @@ static ALWAYS_INLINE void add_chords(const Ellipse *e, int far, int leans, const
     sums->of[8] += k * middle * middle;
 }
 
-/* One chord's derivative of the wrench as M moves. */
-static void move_chord(Friction *f, const Ellipse *e, double c, double s, double width, double load) {
-    double given[11], *middle = given + 2, *chord_way = given + 4, *moment = given + 6, found[3], *results[] = {found};
-    double ex, ey, wx, wy, first = width * c, second = width, by_speed = width, offset = e->far ? s : e->size * s;
-    double across = e->size * s, root = sqrt(1.0 - across * across), q = e->far ? c : root;
-    double along = e->far ? root : c;
-    if (!e->far) across = s;
-    ex = along * e->away[0] - across * e->away[1];
-    ey = along * e->away[1] + across * e->away[0];
-    double tx = e->frame.omega * (e->frame.spin[0] * ex + e->frame.spin[2] * ey), ty = e->frame.omega * (e->frame.spin[1] * ex + e->frame.spin[3] * ey);
-    wx = e->far ? e->frame.middle[0] + e->frame.omega * offset * (e->frame.spin[2] * ex - e->frame.spin[0] * ey) : tx;
-    wy = e->far ? e->frame.middle[1] + e->frame.omega * offset * (e->frame.spin[3] * ex - e->frame.spin[1] * ey) : ty;
-    double slowness = 1.0 / sqrt(wx * wx + wy * wy);
-    given[0] = wx * slowness;
-    given[1] = wy * slowness;
-    if (e->far) {
-        by_speed = first * slowness;
-        second = by_speed * (tx * given[0] + ty * given[1]);
-    } else {
-        first *= e->size;
-        by_speed = width * slowness;
-    }
-    middle[0] = -e->semi[0] * offset * ey;
-    middle[1] = e->semi[1] * offset * ex;
-    chord_way[0] = e->semi[0] * ex;
-    chord_way[1] = e->semi[1] * ey;
-    double f0 = e->level + e->slope[0] * middle[0] + e->slope[1] * middle[1];
-    double f1 = e->slope[0] * chord_way[0] + e->slope[1] * chord_way[1], two = 2.0 * q, cube = 2.0 / 3.0 * q * q * q;
-    /* int (first + second tau) (f0 + f1 tau) (1, tau), and int (f0 + f1 tau) (1, tau, tau^2) by_speed */
-    moment[0] = two * first * f0 + cube * second * f1;
-    moment[1] = cube * (first * f1 + second * f0);
-    moment[2] = two * f0 * by_speed;
-    moment[3] = cube * f1 * by_speed;
-    moment[4] = cube * f0 * by_speed;
-    const double *all[] = {f->twist, f->matrix, given, f->toward};
-    chord_toward(all, results, 0, 0, 0);
-    add(f->wrench, found, load, 3);
-}
-
 /* Lanes pairs of chords at angles t and -t. */
 static ALWAYS_INLINE void add_pairs(Friction *f, const Ellipse *e, int far, int leans, const Lanes *c, const Lanes *s, const Lanes *width, double load,
                              Sums *sums) {
     Lanes root = 1.0 - (e->size * *s) * (e->size * *s), opposite = -*s;
-    if (f->toward) {
-        for (int k = 0; k < 2 * LANES; ++k) move_chord(f, e, (*c)[k / 2], k % 2 ? (*s)[k / 2] : -(*s)[k / 2], (*width)[k / 2], load);
-        return;
-    }
     roots(&root);
-    add_chords(e, far, leans, c, s, &root, width, sums);
-    add_chords(e, far, leans, c, &opposite, &root, width, sums);
+    add_chords(f, e, far, leans, c, s, &root, width, load, sums);
+    add_chords(f, e, far, leans, c, &opposite, &root, width, load, sums);
 }
 
 /* sin^2 of where, beside the ends, the speed along a chord vanishes: in the direction that is mapped on the image's

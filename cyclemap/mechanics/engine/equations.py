@@ -49,7 +49,11 @@ def kernels() -> dict[str, ca.Function]:
             found[name] = function_of(name, [twist, matrix, images, *more], [sums])
         moved = ca.jtimes(whole, matrix, toward)
         found[f"{name}_toward"] = function_of(f"{name}_toward", [twist, matrix, ends, *more, toward], [moved])
-    moved = ca.jtimes(_point_wrench(twist, matrix, place), matrix, toward)
+    # The wrench of a unit of load at a point.
+    wx, wy = _velocity(twist, matrix, place[0], place[1])
+    inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
+    fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
+    moved = ca.jtimes(ca.vertcat(fx, fy, place[0] * fy - place[1] * fx), matrix, toward)
     found["point_toward"] = function_of("point_toward", [twist, matrix, place, toward], [moved])
     moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
     found["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
@@ -186,14 +190,6 @@ def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
     return function_of("assembled", [twist, matrix, sums], [ca.vertcat(*wrench, *hessian)])
 
 
-def _point_wrench(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
-    """The wrench of a unit of load at a point."""
-    wx, wy = _velocity(twist, matrix, place[0], place[1])
-    inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
-    fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
-    return ca.vertcat(fx, fy, place[0] * fy - place[1] * fx)
-
-
 def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> list[ca.SX]:
     """What a chord through the centre of rotation adds to an elliptic patch's wrench as M moves.
 
@@ -229,24 +225,25 @@ VARIED = ("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "geom
 SHARES = ("inner", "rim", "corner")
 KINDS = ("side", "corner", "ellipse", "ring", "wedge")
 LAWS = ("stick", "slide", "turn", "wedge")
+# Kinds of contact with the laws that they may be under; and how many unknowns a law has: its spin, and if it slides the
+# slip.
+PAIRS = (
+    *(("side", "stick"), ("side", "slide"), ("corner", "stick"), ("corner", "slide"), ("ellipse", "stick")),
+    *(("ellipse", "slide"), ("ring", "stick"), ("ring", "turn"), ("wedge", "wedge")),
+)
+UNKNOWNS = {"stick": 1, "slide": 2, "turn": 1, "wedge": 1}
 
 
 def contacts() -> dict[str, ca.Function]:
     """Return the functions of a contact: begin and slopes of each kind and law, finish of each law."""
     found = {f"finish_{law}": _finish(law) for law in LAWS}
-    for kind, law in pairs():
-        state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", unknowns(law))
+    for kind, law in PAIRS:
+        state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", UNKNOWNS[law])
         begun = list(_begun(kind, law, state, p, p[17:], z))
         found[f"begin_{kind}_{law}"] = function_of(f"begin_{kind}_{law}", [state, p, z], begun)
         found[f"slopes_{kind}_{law}"] = _slopes(kind, law, 3)
         found[f"all_slopes_{kind}_{law}"] = _slopes(kind, law, 2 + len(VARIED) + len(SHARES))
     return found
-
-
-def pairs() -> list[tuple[str, str]]:
-    """Return the kinds of contact with the laws that they may be under."""
-    outline = [(kind, law) for kind in KINDS[:3] for law in LAWS[:2]]
-    return [*outline, ("ring", "stick"), ("ring", "turn"), ("wedge", "wedge")]
 
 
 def _place(kind: str, coordinate: ca.SX, g: ca.SX, radius: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -293,11 +290,6 @@ def _begun(kind: str, law: str, state: ca.SX, p: ca.SX, angles: ca.SX, z: ca.SX)
     return twist, matrix, frame
 
 
-def unknowns(law: str) -> int:
-    """Return how many unknowns a contact has: its spin, and where it slides its slip."""
-    return 2 if law == "slide" else 1
-
-
 def _residual(law: str, frame: ca.SX, p: ca.SX, g: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return residuals, and the two forces that bound the law: compression and tangential force, or both compressions.
 
@@ -339,7 +331,7 @@ def _finish(law: str) -> ca.Function:
     row: slope (2), margins (5: approach, room after low and before high, two of the law), corrected unknowns (2).
     report: the correction (maximum norm), the residual, the two forces.
     """
-    count = unknowns(law)
+    count = UNKNOWNS[law]
     frame, p, z = ca.SX.sym("frame", len(FRAME)), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", count)
     given, g = ca.SX.sym("given", 9), ca.SX.sym("g", 3)
     residual, first, second = _residual(law, frame, p, g)
@@ -377,7 +369,7 @@ def _slopes(kind: str, law: str, columns: int) -> ca.Function:
     By the implicit function theorem: of the rates (2, columns) by the state, VARIED and SHARES, of the unknowns by the
     state, and what a Newton iteration corrects of these. `by law`: of the wrench by mu_a, mu_b, alpha, by columns.
     """
-    count, name = unknowns(law), f"{'all_' if columns > 3 else ''}slopes_{kind}_{law}"
+    count, name = UNKNOWNS[law], f"{'all_' if columns > 3 else ''}slopes_{kind}_{law}"
     state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", count)
     given, by_law, by_shares = ca.SX.sym("given", 9), ca.SX.sym("by_law", 9), ca.SX.sym("by_shares", 9)
     g = ca.SX.sym("g", 3)

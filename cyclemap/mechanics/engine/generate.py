@@ -153,7 +153,7 @@ def _tables() -> str:
     lines.append("typedef int Function(const casadi_real **, casadi_real **, casadi_int *, casadi_real *, int);")
     for name in ("BEGIN", "SLOPES", "ALL_SLOPES"):
         entries = _braced(
-            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}" for kind, law in equations.pairs()
+            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}" for kind, law in equations.PAIRS
         )
         lines.append(f"static Function *const {name}[KINDS][LAWS] = {entries};")
     lines.append(f"static Function *const FINISH[] = {_braced(f'finish_{law}' for law in equations.LAWS)};")

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,44 +72,46 @@ _LEAST_SHARE = 4
 class PressureTables:
     """A pressure as pieces that the engine sums over: rows (n, 10) and nodes (m, 3: x, y, share), in extents.
 
-    Part i has the rows first_row[i] to [i + 1], and alike its nodes. load (6,): of each part. middle (2,): the
-    outline's centroid. far: from where on nodes are summed; infinite where rows always hold.
+    record : what else it reads, without their addresses: loads of the six parts; `middle`, the outline's centroid;
+    `far`, from where on nodes are summed, infinite where rows always hold; part i has the rows first_row[i] to [i + 1],
+    and alike its nodes.
     """
 
-    load: tuple[float, ...]
-    middle: tuple[float, ...]
-    far: float
+    record: np.void
     rows: Array
-    first_row: tuple[int, ...]
     nodes: Array
-    first_node: tuple[int, ...]
 
 
 @lru_cache(maxsize=256)
 def pressure_tables(footprint: Footprint) -> PressureTables:
     """Return the tables of a footprint."""
-    size, none = footprint.extent, np.zeros((0, _ROW_COLUMNS))
+    size, none, middle, far = footprint.extent, np.zeros((0, _ROW_COLUMNS)), np.zeros(2), np.inf
+    nodes = [np.zeros((0, 3))] * _PARTS
     if isinstance(footprint, PointFootprint):
         points, weights = footprint.quadrature
-        bare = _rows(POINT, weights, points / size)
-        return _tables((1.0, *(0.0,) * 5), np.zeros(2), np.inf, [bare, none, none, none, none, none], [])
-    outline, middle = footprint.outline.scaled(1.0 / size), np.array(footprint.outline.centroid) / size
-    leaning = size * np.asarray(footprint.gradient)
-    load = (footprint.even_share, footprint.inner_share, footprint.rim_share, footprint.corner_share)
-    whole = (*load, float(np.any(leaning != 0.0)), 0.0)
-    if isinstance(outline, Ellipse):
-        inside, semi = outline.shrunk(INNER), (outline.semi_x, outline.semi_y)
-        rows = [
-            _rows(CHORD, 1.0, [(*semi, *middle, 0.0, 0.0, 1.0)]),
-            _rows(CHORD, 1.0, [(inside.semi_x, inside.semi_y, *middle, 0.0, 0.0, 1.0)]),
-            _rows(ARC, 1.0, [(*semi, *middle)]),
-            none,
-            _rows(CHORD, 1.0, [(*semi, *middle, *leaning, 0.0)]),
-            none,
-        ]
-        return _tables(whole, middle, np.inf, rows, [])
-    far, order = (_LEANING_FAR, _LEANING_ORDER) if whole[4] else (_FAR, _FAR_ORDER)
-    return _tables(whole, middle, far, *_polygon_parts(footprint, outline, middle, order))
+        load = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        rows = [_rows(POINT, weights, points / size), none, none, none, none, none]
+    else:
+        outline, middle = footprint.outline.scaled(1.0 / size), np.array(footprint.outline.centroid) / size
+        leaning = size * np.asarray(footprint.gradient)
+        shares = (footprint.even_share, footprint.inner_share, footprint.rim_share, footprint.corner_share)
+        load = (*shares, float(np.any(leaning != 0.0)), 0.0)
+        if isinstance(outline, Ellipse):
+            inside, semi = outline.scaled(INNER), (outline.semi_x, outline.semi_y)
+            rows = [
+                _rows(CHORD, 1.0, [(*semi, *middle, 0.0, 0.0, 1.0)]),
+                _rows(CHORD, 1.0, [(inside.semi_x, inside.semi_y, *middle, 0.0, 0.0, 1.0)]),
+                _rows(ARC, 1.0, [(*semi, *middle)]),
+                none,
+                _rows(CHORD, 1.0, [(*semi, *middle, *leaning, 0.0)]),
+                none,
+            ]
+        else:
+            far, order = (_LEANING_FAR, _LEANING_ORDER) if load[4] else (_FAR, _FAR_ORDER)
+            rows, nodes = _polygon_parts(footprint, outline, middle, order)
+    first_row, first_node = (np.cumsum([0, *map(len, parts)]) for parts in (rows, nodes))
+    record = np.array([(load, middle, far, first_row, first_node, 0, 0)], _PRESSURE)[0]
+    return PressureTables(record, np.concatenate(rows), np.concatenate(nodes))
 
 
 def _polygon_parts(
@@ -122,7 +123,7 @@ def _polygon_parts(
     points, shares = area_quadrature(outline, order)
     rows, nodes = [_rows(EDGE, per_area, ends)], [np.column_stack([points, shares])]
     if footprint.has_frame:
-        inside = outline.shrunk(INNER)
+        inside = outline.scaled(INNER, outline.centroid)
         inner = np.hstack([inside.array, np.roll(inside.array, -1, axis=0)])
         # A line's load goes with the distance of its side from the centroid: the even form's derivative by the scale.
         arms = side_arms(outline)
@@ -152,15 +153,6 @@ def _rows(kind: int, load: ArrayLike, geometry: ArrayLike) -> Array:
     rows[:, 0], rows[:, 1] = kind, load
     rows[:, 2 : 2 + numbers.shape[1]] = numbers
     return rows
-
-
-def _tables(
-    load: tuple[float, ...], middle: Array, far: float, rows: list[Array], nodes: list[Array]
-) -> PressureTables:
-    nodes = nodes or [np.zeros((0, 3))] * _PARTS
-    first_row, first_node = (tuple(np.cumsum([0, *map(len, parts)]).tolist()) for parts in (rows, nodes))
-    middle_of = tuple(middle.tolist())
-    return PressureTables(load, middle_of, far, np.concatenate(rows), first_row, np.concatenate(nodes), first_node)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +252,7 @@ def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -
 
 def friction_values(pressure: PressureTables, matrix: tuple[float, ...], twists: Array) -> Array:
     """Return D, wrench and Hessian (xx, xy, yy, xw, yw, ww), (n, 10), at twists (n, 3); `matrix`: M by columns."""
-    packed, given, twists = np.array(_pressure(pressure), _PRESSURE), np.array(matrix), np.ascontiguousarray(twists)
+    packed, given, twists = np.array(_addressed(pressure)), np.array(matrix), np.ascontiguousarray(twists)
     values = np.empty((len(twists), 10))
     load().cm_friction(packed.ctypes.data, _address(given), _address(twists), len(twists), _address(values))
     return values
@@ -298,7 +290,7 @@ def _packed(strokes: Sequence[Strokes]) -> tuple[NDArray[np.void], list[Array]]:
         goals = np.array(one.goals, dtype=float).reshape(-1, 2)
         held += [one.pieces, goals]
         loops[index] = (
-            *(_pressure(one.pressure), (*one.friction, 0.0), one.radius, one.tolerance),
+            *(_addressed(one.pressure), (*one.friction, 0.0), one.radius, one.tolerance),
             *(_address(one.pieces), len(one.pieces) - 1, one.start_piece, one.start_coordinate, one.by_fraction),
             *(one.direction, one.length, one.rod_friction, one.pin_friction, one.with_object),
             *(len(goals), _address(goals)),
@@ -306,9 +298,11 @@ def _packed(strokes: Sequence[Strokes]) -> tuple[NDArray[np.void], list[Array]]:
     return loops, held
 
 
-def _pressure(tables: PressureTables) -> tuple[Any, ...]:
-    rows, nodes = _address(tables.rows), _address(tables.nodes)
-    return tables.load, tables.middle, tables.far, tables.first_row, tables.first_node, rows, nodes
+def _addressed(tables: PressureTables) -> np.void:
+    """A copy of the record with the addresses of both tables."""
+    record = tables.record.copy()
+    record["rows"], record["nodes"] = _address(tables.rows), _address(tables.nodes)
+    return record
 
 
 def _address(table: Array) -> int:
