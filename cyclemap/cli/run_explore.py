@@ -10,6 +10,8 @@ import click
 
 from cyclemap.cli.options import LoopOptions, measured_orientations
 from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
+from cyclemap.collection.collection_file import data_settings
+from cyclemap.collection.settings import layered
 from cyclemap.errors import InvalidInput
 from cyclemap.views.explorer.answers import coarse, exact, explored, measured
 from cyclemap.views.explorer.server import Answer, ExplorerServer
@@ -18,8 +20,10 @@ from cyclemap.views.explorer.server import Answer, ExplorerServer
 def run_explore(options: LoopOptions, data: Path | None, columns: str | None, units: str | None, browser: bool) -> None:
     """Serve the page and answer its sliders until Ctrl-C."""
     material = options.material or "plywood"
-    chosen_loop(LoopOptions(material, options.protocol, options.settings))
-    settings = {**protocol_of(options)[0], **set_settings(options.settings)}
+    options = LoopOptions(material, options.protocol, options.settings)
+    chosen_loop(options, data)
+    beside = {} if data is None else data_settings(data)
+    settings = layered(beside, protocol_of(options)[0], set_settings(options.settings))
     begun = explored((material,), material, settings)
     pairs = measured_orientations(data, columns, units, Path("out"))
 

@@ -54,11 +54,10 @@ def run_identify(
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    data = [readable_data(path, columns, units, out) for path in data]
     surface, fixed = None if start is None else load_material(start), fixed_values(fix)
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    space = starting_space(loop, surface)
+    data, space = [readable_data(path, columns, units, out) for path in data], starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data, loop, chosen, first=first, wear=wear, most=most, progress=report,

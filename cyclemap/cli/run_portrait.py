@@ -25,7 +25,7 @@ def run_portrait(
     out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options).simplified()
+    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options, data).simplified()
     loop, sigma = chosen.loop, chosen.sigma
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait

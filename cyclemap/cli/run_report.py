@@ -45,7 +45,7 @@ def run_report(
     options: LoopOptions, data: Path | None, columns: str | None, units: str | None, reset: bool, out: Path
 ) -> None:
     """Compute all of it and write the page."""
-    loop, chosen = chosen_loop(options)
+    loop, chosen = chosen_loop(options, data)
     sigma = DEFAULT_SIGMA if chosen is None else chosen
     data = None if data is None else readable_data(data, columns, units, out)
     pairs = None if data is None else collection_data(data, loop).pairs

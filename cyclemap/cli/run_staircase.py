@@ -17,7 +17,7 @@ def run_staircase(
     out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
-    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options).simplified()
+    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options, data).simplified()
     loop, sigma = chosen.loop, chosen.sigma
     measured = None if pairs is None else measured_staircase(pairs, seed)
     if chosen.strategy is not None:

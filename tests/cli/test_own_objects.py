@@ -199,6 +199,24 @@ def test_a_prediction_takes_a_log_of_ones_own_as_it_takes_its_pairs_in_degrees(c
     assert own == ours != {}
 
 
+def test_what_the_folder_of_a_log_says_of_the_push_holds_for_identify_and_portrait(here, capsys) -> None:
+    """Orientations and poses alone tell no rod: collection.toml beside the log does, as a protocol would."""
+    (here / "data").mkdir()
+    (here / "data" / "collection.toml").write_text("push_mm = 60\nfraction = 0.6\n")
+    loop, rows = CollectionLoop.from_settings({"push_mm": 60, "fraction": 0.6, "mu_a": 0.3, "mu_b": 0.2}), []
+    for theta in np.linspace(0.1, 6.0, 12):
+        end = loop.model.push(loop.start_pose(theta), loop.push).end
+        rows.append(f"{loop.start_pose(theta).x},{loop.start_pose(theta).y},{theta},{end.x},{end.y},{end.theta}\n")
+    (here / "data" / "log.csv").write_text("start_x,start_y,start_yaw,end_x,end_y,end_yaw\n" + "".join(rows))
+    few = ["--units", "rad,m", "--starts", "1", "--folds", "0"]
+    ratio = next(
+        one for one in report(capsys, "identify", "data/log.csv", *few)["derived"] if one["name"] == "axis_ratio"
+    )
+    assert ratio["value"] == pytest.approx(1.5, abs=1e-3)
+    beside = report(capsys, "portrait", "isotropic", "--data", "data/log.csv", "--units", "rad,m")
+    assert beside["map"] == report(capsys, "portrait", "isotropic", "--protocol", "data/collection.toml")["map"]
+
+
 def test_a_report_judges_poses_that_tell_no_cycle_and_a_portrait_says_that_they_tell_none(here, refused) -> None:
     poses = "".join(f"0,0,{a},0.04,-0.07,{a + 1.3},150\n" for a in np.linspace(0.0, 6.0, 30))
     (here / "ends.csv").write_text("x0,y0,theta0,x1,y1,theta1,push_mm\n" + poses)
