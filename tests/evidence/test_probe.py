@@ -10,7 +10,6 @@ from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
 from cyclemap.mechanics import EllipseFriction, Material, Pose
 from cyclemap.views.probe_page import probe_page, probe_sentences
@@ -105,7 +104,7 @@ def test_a_program_is_asked_line_by_line(tmp_path) -> None:
 
 
 def test_pushes_that_cannot_tell_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="gap of more than a quarter turn"):
-        probe_pushes(np.linspace(0.0, 3.0, 20), np.zeros((20, 3)), ISOTROPIC)
+    arc = np.linspace(0.0, 3.0, 20)
+    refused(probe_pushes, arc, np.zeros((20, 3)), ISOTROPIC, told="gap of more than a quarter turn")
     refused(probe_pushes, THETA[:5], np.zeros((5, 3)), ISOTROPIC, told="give 12 or more")
     refused(probe, lambda theta: (0.0, 1.0), ISOTROPIC, 12, told=r"give \(dx, dy, dtheta\)")

@@ -10,7 +10,6 @@ from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import first_contact
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import (
     DataBlock,
     RecordingNoise,
@@ -197,8 +196,8 @@ def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is
     every_sort(first)
     every_sort(second, "felt")
     refused(collected_blocks, [first, second], LOOP, told="several surfaces: felt, slate; select one")
-    with pytest.raises(InvalidInput, match=r"no such surface: delrin; .* left out: of surface slate, not delrin"):
-        collected_blocks([first / "ends.csv"], LOOP, {"surface": "delrin"})
+    told = r"no such surface: delrin; .* left out: of surface slate, not delrin"
+    refused(collected_blocks, [first / "ends.csv"], LOOP, {"surface": "delrin"}, told=told)
     found = collected_blocks([first, second], LOOP, {"surface": "felt"})
     assert found.surface == "felt"
     # Orientations tell no surface: both tables of them are kept, and told apart by a number.
@@ -213,11 +212,12 @@ def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is
 def test_nothing_recognised_names_what_each_path_was(tmp_path) -> None:
     text, table = write(tmp_path / "notes.txt", "rod bent", []), write(tmp_path / "budget.csv", "euro\n", ["3\n"])
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InvalidInput, match=r"kind \(\.txt\).*unknown columns \(euro\).*holds no \.h5"):
-        collected_blocks([text, table, tmp_path / "empty"], LOOP)
-    refused(collected_blocks, [tmp_path / "absent.csv"], LOOP, told="there is nothing there")
-    with pytest.raises(InvalidInput, match=r"1 left out: unreadable, the first cut\.json"):
-        collected_blocks([write(tmp_path / "cut.json", "", ["{"])], LOOP)
+    for paths, told in (
+        ([text, table, tmp_path / "empty"], r"kind \(\.txt\).*unknown columns \(euro\).*holds no \.h5"),
+        ([tmp_path / "absent.csv"], "there is nothing there"),
+        ([write(tmp_path / "cut.json", "", ["{"])], r"1 left out: unreadable, the first cut\.json"),
+    ):
+        refused(collected_blocks, paths, LOOP, told=told)
     for key, value in (("first", -1), ("most", 1), ("most", 2.5)):
         refused(collected_blocks, [table], LOOP, **{key: value})
 

@@ -81,6 +81,7 @@ KINDS = {
 
 CASES = [pytest.param(kind, {}, marks=[pytest.mark.slow] * ("cycles" in kind)) for kind in KINDS]
 CASES += [(kind, {"corner_share": 0.0, "inner_share": 0.0}) for kind in ("pushes", "drags")]
+CASES += [("pushes", {"ellipticity_x": size, "ellipticity_y": 0.0}) for size in (0.0, 1e-8, 3e-5)]
 
 
 @pytest.mark.parametrize(("kind", "shares"), CASES)
@@ -93,7 +94,6 @@ def test_what_the_mechanics_made_leaves_no_residual_and_has_true_derivatives(kin
     assert jacobian.shape == shape
     for column, name in enumerate(block.parameters):
         step = STEPS.get(name.partition("[")[0], 2e-4)
-        # Shares at their least value have one side alone.
         low = 0.0 if values[name] == 0.0 else -step
         sides = [block.residuals({**values, name: values[name] + by})[0] for by in (step, low)]
         expected = (sides[0] - sides[1]) / (step - low)

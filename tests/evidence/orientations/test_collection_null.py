@@ -6,7 +6,7 @@ from refusals import refused
 
 from cyclemap.evidence.orientations.circular_distance import CircularLaw
 from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircase, transfer_operator
+from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, transfer_operator
 
 KICKS = WrappedNormal(0.3)
 EARLY, LATE = CircleMap.arnold(0.02, 0.4), CircleMap.arnold(0.2, 0.4)
@@ -80,12 +80,6 @@ def test_images_under_wear_are_those_of_each_cycles_own_map_from_any_first_cycle
         assert np.allclose(images[:, n], WORN.at(30 + n)(paths[:, n]), atol=1e-12)
     # Kicks are what is left, and of the noise's size.
     assert np.std(paths[:, 1:] - images) == pytest.approx(0.3, rel=0.1)
-
-
-def test_a_collection_that_begins_late_is_the_tail_of_one_that_begins_early() -> None:
-    whole = sample_staircase(WORN, None, 100, 0.1).theta
-    begun = CollectionModel(WORN, KICKS, first=40).begun
-    assert np.allclose(sample_staircase(begun, None, 60, float(whole[40])).theta, whole[40:], atol=1e-12)
 
 
 def test_the_refit_is_called_once_a_collection_and_its_ensemble_decides() -> None:

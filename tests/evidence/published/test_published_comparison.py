@@ -1,15 +1,13 @@
 """What is published of MIT's pushes adds up; what a material predicts of them is the statistics of its noisy cycles."""
 
-import math
 import re
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import SurfaceParameters, published_comparison
 from cyclemap.evidence.data_blocks.stroke_block import interpolation, loop_on
 from cyclemap.evidence.published_statistics import (
@@ -22,7 +20,7 @@ from cyclemap.evidence.published_statistics import (
     run_law,
 )
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-from cyclemap.mechanics import Material, Pusher, SidePush, load_material
+from cyclemap.mechanics import Material, load_material
 
 NODES, CYCLES = 11, 100
 ANGLES = 2 * np.pi * np.arange(NODES) / NODES
@@ -43,28 +41,7 @@ def test_means_follow_from_either_table_within_four_percent():
         other = 100.0 * np.array(published.rmse) / published.rmse_percent
         assert other == pytest.approx(np.abs(published.mean), rel=0.04)
         assert np.all(np.array(published.rmse) <= published.std)
-
-
-def keeps_the_rod_on_its_side(turn: float, moved: np.ndarray) -> bool:
-    """Whether a push after which the object moved and turned so ends with the rod's centre on the pushed side."""
-    c, s = math.cos(turn), math.sin(turn)
-    end = np.array([0.045 - 0.09 * SidePush().fraction, 0.045 + Pusher().radius - SidePush().distance]) - moved
-    x, y = np.array([[c, s], [-s, c]]) @ end
-    return abs(x) <= 0.045 and abs(y - 0.04975) < 0.002
-
-
-@pytest.mark.parametrize("material", ["plywood", "pu"])
-def test_only_dx_forward_dy_backward_and_a_positive_turn_leave_the_rod_on_the_pushed_side(material):
-    """Both pushes end in contact, so of sixteen readings of the signs and axes one alone can be right: the stored."""
-    mean = published_statistics(material).mean
-    turn, *sizes = np.abs(mean)
-    readings = [
-        (sign * turn, np.array(signs) * order)
-        for sign, *signs in product((1, -1), repeat=3)
-        for order in (sizes, sizes[::-1])
-    ]
-    fitting = [(turn, *moved) for turn, moved in readings if keeps_the_rod_on_its_side(turn, moved)]
-    assert fitting == [pytest.approx(mean)]
+        assert np.sign(published.mean).tolist() == [1.0, 1.0, -1.0]
 
 
 def test_where_the_map_mixes_the_law_of_a_long_run_is_the_stationary_law_of_the_transfer_operator():
@@ -82,12 +59,6 @@ def test_between_two_stable_directions_that_noise_hardly_connects_the_start_deci
         )
 
 
-def test_turning_the_map_turns_the_law():
-    turn, places = 0.1 + 0.2 * np.cos(THETA) + 0.1 * np.sin(2 * THETA), 90
-    turned = run_law(np.roll(turn, places), SIGMA, 100)
-    assert turned == pytest.approx(np.roll(run_law(turn, SIGMA, 100), places), abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
@@ -97,8 +68,7 @@ def test_turning_the_map_turns_the_law():
     ],
 )
 def test_what_cannot_be_is_refused(asked, words):
-    with pytest.raises(InvalidInput, match=words):
-        asked()
+    refused(asked, told=words)
 
 
 def test_between_47_nodes_the_loop_is_met_within_a_hundredth_of_a_degree_and_ten_micrometres():
@@ -109,14 +79,6 @@ def test_between_47_nodes_the_loop_is_met_within_a_hundredth_of_a_degree_and_ten
     assert found[:, 0] == pytest.approx(runs.theta_next - theta, abs=np.deg2rad(0.01))
     assert found[:, 1] == pytest.approx(runs.push_turn, abs=np.deg2rad(0.01))
     assert found[:, 2:] == pytest.approx(runs.push_displacement, abs=1e-5)
-
-
-def test_on_an_isotropic_surface_all_pushes_are_one_push_and_the_spread_is_the_scatter():
-    given, loop = published_statistics("pu"), loop_on(SurfaceParameters(), CollectionLoop.mit())
-    found, push = predicted_statistics(node_values(loop, 9), given), loop.cycle(1.0)
-    assert found.mean == pytest.approx([push.push_turn, *push.push_displacement], abs=1e-5)
-    assert found.std == pytest.approx(given.rmse, rel=1e-4)
-    assert found.law * found.law.size == pytest.approx(np.ones(found.law.size), abs=1e-3)
 
 
 def test_the_statistics_are_those_of_a_sampled_run():
@@ -150,8 +112,7 @@ def test_isotropic_friction_has_no_stable_direction_and_misses_every_published_p
     assert found.stable.size == found.peaks.size == 0
     assert np.all(np.isinf(found.misses)) and found.misses.size == 1
     assert "no peak within 15 deg of 80 deg" in found.sentence
-    with pytest.raises(InvalidInput, match="isotropic"):
-        published_comparison("isotropic")
+    refused(published_comparison, "isotropic", told="isotropic")
 
 
 @pytest.mark.parametrize("name", SHOWN)

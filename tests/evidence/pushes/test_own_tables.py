@@ -254,13 +254,13 @@ def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, ki
 def test_a_bag_without_poses_or_cut_off_is_refused_with_what_gets_one_on(tmp_path, kind) -> None:
     warm, path = (tmp_path / (f"{name}.bag" if kind == "ros1" else name) for name in ("warm", "run"))
     bag(warm, kind, ["/heat"], "sensor_msgs/msg/Temperature")
-    with pytest.raises(DataFileError, match=r"give the topic of the object's pose, .*; with poses: none among /heat"):
-        read_own_table(warm)
+    told = r"give the topic of the object's pose, .*; with poses: none among /heat"
+    refused(read_own_table, warm, told=told, kind=DataFileError)
     bag(path, kind)
     (content,) = [path] if kind == "ros1" else [*path.glob("*.db3"), *path.glob("*.mcap")]
     content.write_bytes(content.read_bytes()[: content.stat().st_size // 2])
-    with pytest.raises(DataFileError, match=r"not a ROS bag that can be read .* one that was not closed is mended by"):
-        read_own_table(path, {"pose": "/box"})
+    told = r"not a ROS bag that can be read .* one that was not closed is mended by"
+    refused(read_own_table, path, {"pose": "/box"}, told=told, kind=DataFileError)
 
 
 def test_an_mcap_file_of_another_house_is_refused_with_what_to_write_instead(tmp_path) -> None:
@@ -270,8 +270,8 @@ def test_an_mcap_file_of_another_house_is_refused_with_what_to_write_instead(tmp
     content = file.read_bytes()
     assert content[21:25] == b"ros2"
     file.write_bytes(content[:21] + b"json" + content[25:])
-    with pytest.raises(DataFileError, match="only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx"):
-        read_own_table(file, {"pose": "/box"})
+    told = "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx"
+    refused(read_own_table, file, {"pose": "/box"}, told=told, kind=DataFileError)
 
 
 @pytest.mark.parametrize(

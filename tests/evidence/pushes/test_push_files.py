@@ -257,8 +257,8 @@ def test_what_cannot_be_written_is_told_by_name(tmp_path) -> None:
     refused(write_push_file, tmp_path / "push.csv", PUSH, told=r"'\.csv' is no suffix of push data")
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "file").write_text("in the way")
-    with pytest.raises(OSError, match=r"file/push\.h5 cannot be written \(File exists: .*file\)"):
-        write_push_file(tmp_path / "file" / "push.h5", PUSH)
+    told = r"file/push\.h5 cannot be written \(File exists: .*file\)"
+    refused(write_push_file, tmp_path / "file" / "push.h5", PUSH, told=told, kind=OSError)
 
 
 @pytest.mark.parametrize("suffix", [".h5", ".json"])

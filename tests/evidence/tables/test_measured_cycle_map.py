@@ -28,14 +28,6 @@ def test_a_rotation_takes_its_twenty_pushes_a_turn_measured_and_predicted(pace) 
     assert np.all(np.diff(found.start) == 20.0)
 
 
-def test_the_mirror_image_of_a_path_turns_at_the_same_places() -> None:
-    path = worn_pairs(500).path
-    places = full_turns(path, level=0.7)
-    assert places.size >= 4
-    assert np.array_equal(full_turns(-path, level=-0.7), places)
-    assert np.array_equal(full_turns(path + 3 * TURN, level=0.7), places)
-
-
 def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_none() -> None:
     still, fitted = rotation(0.001, 60)
     found = turn_pace(fitted, still, np.arange(61.0), level=2.0, runs=3)
@@ -194,9 +186,6 @@ def test_paths_that_leave_the_measured_orientations_foretell_nothing() -> None:
 def test_too_few_pairs_are_refused_by_number() -> None:
     pairs = worn_pairs(12)
     refused(measured_cycle_map, pairs, told="12 pairs are too few for a cycle map; give at least 20")
-
-
-# -- the measured plywood staircase ------------------------------------------------------------------------
 
 
 @cache

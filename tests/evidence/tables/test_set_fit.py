@@ -6,7 +6,6 @@ from made_sets import made_set, noisy_set, true_turn
 from refusals import refused
 from scipy.stats import wasserstein_distance
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.tables.push_sets import push_statistics
 from cyclemap.evidence.tables.set_fit import motion_law, set_laws, turn_histogram
@@ -98,10 +97,6 @@ def test_the_law_alone_puts_every_orientation_where_the_law_does() -> None:
     assert found.law_alone_total_variation == pytest.approx(share)
     exact = wasserstein_distance(pushes.dtheta, law(pushes.theta))
     assert found.law_alone_distance == pytest.approx(exact, rel=0.02)
-    # Without scatter of its own, too.
-    theta = np.linspace(0.0, 6.0, 50)
-    bare = turn_histogram(theta, true_turn(theta), fit_periodic_law(theta, true_turn(theta), harmonics=2), runs=3)
-    assert bare.law_alone_total_variation <= 0.04
 
 
 def test_a_constant_added_to_the_values_and_a_change_of_unit_change_no_share() -> None:
@@ -118,7 +113,6 @@ def test_p_values_of_a_right_law_are_uniform_though_it_was_fitted_to_the_same_pu
     for seed in range(60):
         pushes, law = fitted(seed, 120)
         values.append(turn_histogram(pushes.theta, pushes.dtheta, law, bins=20, runs=19, seed=seed).chance.value)
-    assert len(values) == 60
     for level in (0.1, 0.25, 0.5):
         share, error = np.mean(np.array(values) <= level), np.sqrt(level * (1.0 - level) / 60)
         assert abs(share - level) < 3.0 * error
@@ -135,8 +129,8 @@ def test_a_law_that_misses_two_lumps_is_told_from_chance() -> None:
 
 def test_bad_input_is_refused_by_name() -> None:
     pushes, law = fitted()
-    with pytest.raises(InvalidInput, match="all values are 1"):
-        turn_histogram(np.arange(30.0), np.ones(30), fit_periodic_law(np.arange(30.0), np.ones(30), harmonics=0))
+    even = np.arange(30.0), np.ones(30)
+    refused(turn_histogram, *even, fit_periodic_law(*even, harmonics=0), told="all values are 1")
     refused(turn_histogram, pushes.theta, pushes.dtheta, law, bins=1, told="bins must be at least 2")
     refused(turn_histogram, pushes.theta, pushes.dtheta, law, runs=0, told="runs must be at least 1")
     refused(turn_histogram, pushes.theta[1:], pushes.dtheta, law, told="entries")
