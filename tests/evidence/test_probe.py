@@ -36,8 +36,7 @@ def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
     random = np.random.default_rng(seed)
     phi = float(random.uniform(0.0, math.pi))
     planted = probe_pushes(THETA, pushes(1.03, phi) + NOISE * random.normal(size=(72, 3)), ISOTROPIC)
-    assert planted.found
-    assert planted.ratio[1] <= 1.03 <= planted.ratio[2] < 1.04
+    assert planted.found and planted.ratio[1] <= 1.03 <= planted.ratio[2] < 1.04
     assert math.cos(2.0 * (planted.anisotropy.ellipse_direction - phi)) > 0.9
     assert planted.offset[1] < 0.002
     none = probe_pushes(THETA, pushes(1.0, 0.0) + NOISE * random.normal(size=(72, 3)), ISOTROPIC)

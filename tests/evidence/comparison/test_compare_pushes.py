@@ -41,8 +41,7 @@ def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(loop, 
     assert data.left_out == {} and found.count == 12
     assert np.abs(found.predicted - found.measured + off).max() < 1e-9
     for one, shift in zip(found.quantities, off, strict=True):
-        assert one.bias == pytest.approx(-shift, abs=1e-9)
-        assert one.spread < 1e-9
+        assert one.bias == pytest.approx(-shift, abs=1e-9) and one.spread < 1e-9
         assert one.rmse == pytest.approx(abs(shift), rel=1e-6, abs=1e-9)
         assert one.percent == pytest.approx(100 * abs(shift) / abs(one.measured_mean), rel=1e-6, abs=1e-5)
         assert one.predicted_std == pytest.approx(one.measured_std)
@@ -114,8 +113,7 @@ def test_the_error_of_a_mean_allows_for_correlation() -> None:
     independent = np.random.default_rng(3).standard_normal(4000)
     assert mean_error(independent) == pytest.approx(1 / np.sqrt(4000), rel=0.25)
     assert mean_error(np.repeat(independent[:400], 10)) == pytest.approx(1 / np.sqrt(400), rel=0.25)
-    assert mean_error(independent[:2]) is None
-    assert within_error(0.1, None, 2) is None
+    assert mean_error(independent[:2]) is None and within_error(0.1, None, 2) is None
 
 
 def test_data_that_leave_nothing_are_refused(loop, written) -> None:

@@ -39,8 +39,7 @@ def test_left_out_errors_of_a_linear_law_are_those_of_the_hat_matrix(size: int) 
         for rows in (slice(first, first + size) for first in range(0, 12, size))
     ]
     found, failures = cross_validate(problem, fit, random_folds(problem, 12 // size))
-    assert np.allclose(found, np.concatenate(expected), atol=2e-4)
-    assert failures == []
+    assert np.allclose(found, np.concatenate(expected), atol=2e-4) and failures == []
 
 
 def test_random_folds_keep_groups_whole_and_deal_every_block_evenly(joint) -> None:

@@ -34,10 +34,8 @@ def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students(li
     errors = uncertainty(line, fit)
     best, squares, _, _ = np.linalg.lstsq(DESIGN, DATA, rcond=None)
     covariance = squares[0] / 10 * np.linalg.inv(DESIGN.T @ DESIGN)
-    assert np.allclose(fit.vector, best, atol=1e-9)
-    assert np.allclose(errors.covariance, covariance, rtol=1e-6)
-    assert np.allclose(errors.freedom, 10.0)
-    assert errors.open == ()
+    assert np.allclose(fit.vector, best, atol=1e-9) and np.allclose(errors.covariance, covariance, rtol=1e-6)
+    assert np.allclose(errors.freedom, 10.0) and errors.open == ()
     found = identify(line.blocks, LINE.names, space=LINE, starts=1)
     half = student.ppf(0.975, 10) * np.sqrt(np.diag(covariance))
     assert np.allclose(

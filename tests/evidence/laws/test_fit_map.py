@@ -54,8 +54,7 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
     truth = CircleMap.arnold(0.2, 0.5)
     path = sample_staircase(truth, WrappedNormal(0.03), 3000, seed=2).theta
     fitted = fit_map(path[:-1], path[1:], noise_harmonics=None)
-    assert fitted.law.harmonics == 1
-    assert fitted.pairs == 3000
+    assert fitted.law.harmonics == 1 and fitted.pairs == 3000
     assert fitted.sigma == pytest.approx(0.03, rel=0.05)
     assert np.allclose(fitted.law.noise(GRID), 0.03, rtol=0.15)
     band = fitted.law.band(GRID, level=0.9999)
@@ -66,8 +65,7 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
 def test_wear_without_noise_is_found_exactly_with_its_degree() -> None:
     theta, theta_next, cycle = worn_pairs(0, 0.0)
     fitted = fit_map(theta, theta_next, cycle=cycle)
-    assert fitted.wear is not None
-    assert (fitted.wear.harmonics, fitted.wear.degree) == (2, 1)
+    assert fitted.wear is not None and (fitted.wear.harmonics, fitted.wear.degree) == (2, 1)
     for n in (0.0, 400.0, 999.0):
         assert np.allclose(fitted.map_at(n).turn(GRID), worn_turn(GRID, n), atol=1e-10)
     assert np.allclose(fitted.map_at(5000.0).turn(GRID), worn_turn(GRID, 999.0), atol=1e-10)
@@ -150,8 +148,7 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     six = fit_map(pairs.theta, pairs.theta_next, harmonics=6)
     assert six.sigma == pytest.approx(DEFAULT_SIGMA, rel=0.02)
     assert fitted.wear is not None
-    assert fitted.wear.degree >= 1
-    assert np.rad2deg(fitted.wear.whole.rmse) < 0.75
+    assert fitted.wear.degree >= 1 and np.rad2deg(fitted.wear.whole.rmse) < 0.75
     # Where the robot waits it scatters least: the bottleneck is far quieter than the steep flanks.
     assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
 

@@ -33,8 +33,7 @@ def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> No
     theta, value = made(0, sigma=0.0)
     for noise_harmonics in (0, None):
         law = fit_periodic_law(theta, value, noise_harmonics=noise_harmonics)
-        assert law.harmonics == 3
-        assert max(worst(law), law.rmse) < 1e-13
+        assert law.harmonics == 3 and max(worst(law), law.rmse) < 1e-13
     step = 1e-5
     assert np.allclose(law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9)
 
@@ -42,8 +41,7 @@ def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> No
 @pytest.mark.slow
 def test_the_chosen_order_is_the_true_one_in_nine_of_ten_runs() -> None:
     chosen = np.array([fit_periodic_law(*made(seed), seed=seed).harmonics for seed in range(50)])
-    assert np.sum(chosen == 3) >= 45
-    assert np.min(chosen) >= 3
+    assert np.sum(chosen == 3) >= 45 and np.min(chosen) >= 3
 
 
 def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
@@ -61,8 +59,7 @@ def test_folds_are_equal_shares_made_of_blocks_of_successive_values() -> None:
     fold = cycle_folds(2000, seed=3)
     assert np.bincount(fold).tolist() == [200] * 10
     changes = np.flatnonzero(np.diff(fold)) + 1
-    assert changes.size <= 49
-    assert np.all(changes % 40 == 0)
+    assert changes.size <= 49 and np.all(changes % 40 == 0)
     assert not np.array_equal(fold, cycle_folds(2000, seed=4))
 
 
@@ -106,8 +103,7 @@ def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() ->
             off = abs(float(at @ fit.coefficients - truth(np.array(1.0))))
             hit = off <= 1.96 * float(np.sqrt(at @ fit.covariance @ at))
             right, plain = right + (hit and correlated), plain + (hit and not correlated)
-    assert plain / runs < 0.75
-    assert 0.88 <= right / runs <= 0.99
+    assert plain / runs < 0.75 and 0.88 <= right / runs <= 0.99
 
 
 def test_the_correlation_of_successive_residuals_is_told() -> None:
@@ -124,8 +120,7 @@ def test_scatter_that_depends_on_the_angle_is_recovered_with_its_order() -> None
     sigma = lambda angle: 0.05 * np.exp(0.8 * np.cos(angle - 1.0))  # noqa: E731
     value = truth(theta) + sigma(theta) * rng.standard_normal(4000)
     law = fit_periodic_law(theta, value, noise_harmonics=None)
-    assert law.harmonics == 3
-    assert law.log_variance.size == 3
+    assert law.harmonics == 3 and law.log_variance.size == 3
     # Standard errors of two log-standard-deviation coefficients of 1/√n each and one of half: four of them.
     assert np.max(np.abs(np.log(law.noise(GRID) / sigma(GRID)))) < 4 * np.sqrt(1.5 / 4000)
     # The root mean square of it over the angles, in closed form.
@@ -190,11 +185,9 @@ def test_turning_the_angles_turns_the_law_and_whole_turns_and_all_else_change_no
 def test_scaling_the_values_scales_the_law_and_leaves_percentages() -> None:
     theta, value = made(8)
     one, large = fit_periodic_law(theta, value), fit_periodic_law(theta, 1000.0 * value)
-    assert large.harmonics == one.harmonics
-    assert large.rmse == pytest.approx(1000.0 * one.rmse, rel=1e-9)
+    assert large.harmonics == one.harmonics and large.rmse == pytest.approx(1000.0 * one.rmse, rel=1e-9)
     assert large.percent == pytest.approx(one.percent, rel=1e-9)
-    assert one.percent == pytest.approx(100 * 0.05 / np.mean(value), rel=0.1)
-    assert one.count == 400
+    assert one.percent == pytest.approx(100 * 0.05 / np.mean(value), rel=0.1) and one.count == 400
 
 
 @pytest.mark.parametrize(

@@ -103,8 +103,7 @@ def test_share_of_the_first_direction_counts_the_cycles_nearer_to_it():
     for direction in given.directions:
         turn = -0.3 * np.sin(ANGLES - direction)
         shares.append(predicted_statistics(np.column_stack([turn, *np.zeros((3, NODES))]), given).first_share)
-    assert shares[0] > 0.999
-    assert shares[1] < 0.02
+    assert shares[0] > 0.999 and shares[1] < 0.02
 
 
 def test_isotropic_friction_has_no_stable_direction_and_misses_every_published_peak():

@@ -81,14 +81,12 @@ def test_any_facts_of_a_scan_come_back_from_its_name(surface, degrees, speed, re
     assert f"_deg={(degrees + 180) % 360}" in name
     read = scan_facts(name)
     assert read is not None and read.direction == pytest.approx(facts.direction, abs=1e-12)
-    assert repr(replace(read, direction=facts.direction)) == repr(facts)
-    assert scan_name(read) == name
+    assert repr(replace(read, direction=facts.direction)) == repr(facts) and scan_name(read) == name
 
 
 def test_every_name_of_the_measured_files_is_written_as_it_is(measured_data) -> None:
     names = [path.stem for path in (measured_data / "mit_files").iterdir() if path.suffix in (".h5", ".json")]
-    assert len(names) == 91
-    assert [push_name(push_facts(f"{name}.h5")) for name in names] == names
+    assert len(names) == 91 and [push_name(push_facts(f"{name}.h5")) for name in names] == names
 
 
 @pytest.mark.parametrize(

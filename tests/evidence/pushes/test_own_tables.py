@@ -82,20 +82,13 @@ def test_all_angles_and_all_places_are_guessed_in_one_unit(tmp_path) -> None:
     assert found["x0"] == pytest.approx(1e-4) and found["y1"] == pytest.approx(-0.07)
 
 
-def test_an_excel_export(tmp_path) -> None:
-    pytest.importorskip("openpyxl")
-    path = tmp_path / "log.xlsx"
-    pandas.DataFrame({"Push": range(12), "Start angle (deg)": THETA_DEG % 360.0, "Remark": ["ok"] * 12}).to_excel(
-        path, index=False
-    )
-    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
-
-
-def test_a_spreadsheet_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> None:
+def test_a_spreadsheet_is_read_and_one_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> None:
     """A file of a hundred kilobytes that unpacks to a hundred megabytes is not unpacked."""
     pytest.importorskip("openpyxl")
     path = tmp_path / "log.xlsx"
-    pandas.DataFrame({"yaw": THETA_DEG}).to_excel(path, index=False)
+    frame = pandas.DataFrame({"Push": range(12), "Start angle (deg)": WRAPPED, "Remark": ["ok"] * 12})
+    frame.to_excel(path, index=False)
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
     whole = path.read_bytes()
     for content in (whole[:-40], whole[:600] + whole[640:]):
         path.write_bytes(content)

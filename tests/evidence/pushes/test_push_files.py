@@ -32,8 +32,7 @@ def refusal(path: Path) -> str:
 def test_motion_is_that_of_the_object_in_its_initial_frame_and_whole_turns_count(turn) -> None:
     push = PushRecord(**made_push(start=(0.3, 0.1, -2.5), moved=(0.03, -0.09), turn=turn))
     assert push.displacement == pytest.approx((0.03, -0.09), abs=1e-12)
-    assert push.turn == pytest.approx(turn, abs=1e-9)
-    assert push.end[2] == pytest.approx(-2.5 + turn, abs=1e-9)
+    assert push.turn == pytest.approx(turn, abs=1e-9) and push.end[2] == pytest.approx(-2.5 + turn, abs=1e-9)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.12, -0.3])
@@ -71,8 +70,7 @@ def test_without_contact_there_is_no_force_ratio() -> None:
 @pytest.mark.parametrize("degrees", [0, 75, 210, 333])
 def test_a_scan_gives_the_force_along_and_across_its_motion(tmp_path, degrees) -> None:
     scan = read_push_file(write(tmp_path / f"{SCAN_NAME}.h5", made_scan(np.deg2rad(degrees), 2.0, -0.3)))
-    assert isinstance(scan, ScanRecord)
-    assert scan_forces(scan) == pytest.approx((2.0, -0.3), abs=1e-9)
+    assert isinstance(scan, ScanRecord) and scan_forces(scan) == pytest.approx((2.0, -0.3), abs=1e-9)
 
 
 def test_a_scan_is_known_by_its_name_or_by_its_tables(tmp_path) -> None:
@@ -148,8 +146,7 @@ def test_a_header_that_claims_gigabytes_is_refused_before_anything_is_read(tmp_p
         with h5py.File(path, "w") as file:
             for table in made_push():
                 file.create_dataset(table, dtype="f8", **options)
-        assert path.stat().st_size < 20_000
-        assert "object_pose takes more than 17 MB" in refusal(path)
+        assert path.stat().st_size < 20_000 and "object_pose takes more than 17 MB" in refusal(path)
 
 
 def test_rows_that_were_never_written_do_not_pass_for_zeros(tmp_path) -> None:
@@ -217,8 +214,7 @@ def test_damage_at_random_is_refused_or_loads_finite_poses_and_leaves_no_file_op
             assert np.isfinite([*push.start, *push.end, *push.displacement, push.turn]).all()
             assert not np.isinf(contact_force_ratio(push, RECT1))
             outcome[True] += 1
-    assert outcome[True] > 10 and outcome[False] > 100
-    assert open_files() == before
+    assert outcome[True] > 10 and outcome[False] > 100 and open_files() == before
 
 
 PUSH, SCAN = PushRecord(**made_push()), ScanRecord(*made_scan().values())
@@ -274,5 +270,4 @@ def test_a_disk_that_is_full_leaves_the_old_file_and_nothing_else(tmp_path, suff
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         signal.signal(signal.SIGXFSZ, handler)
-    assert list(tmp_path.iterdir()) == [path]
-    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path] and path.read_bytes() == before

@@ -64,8 +64,7 @@ def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) ->
     assert list(replayed.table.columns) == list(REPLAY_COLUMNS)
     assert len(replayed.table) == len(replayed.replays) == 5
     reasons = {file.path.name: file.reason for file in replayed.not_replayed}
-    assert len(reasons) == len(replayed.not_replayed) == 6
-    assert len(reasons) + 5 == len(list(folder.iterdir()))
+    assert len(reasons) == len(replayed.not_replayed) == 6 and len(reasons) + 5 == len(list(folder.iterdir()))
     for name, reason in {
         push_name("star"): "object 'star' has no outline",
         push_name("rect2"): "mm inside the object, more than the 5 mm",
@@ -157,8 +156,7 @@ def test_each_of_the_91_files_is_replayed_as_one_straight_stroke(measured_replay
     counts = dict(zip(zip(groups["surface"], groups["object"], strict=True), groups["count"], strict=True))
     assert counts == {**COUNTS, ("plywood", "hex"): 1}
     table = measured_replays.table
-    assert (table["strokes"] == 1).all() and table["touched"].all()
-    assert table["straightness"].max() < 0.16e-3
+    assert (table["strokes"] == 1).all() and table["touched"].all() and table["straightness"].max() < 0.16e-3
     # Outlines fit: rod and object start within 1.6 mm of contact, and overlap by no more than a third of one.
     assert table["start_gap"].abs().max() < 1.6e-3 and table["shift"].max() < 0.35e-3
     assert (table["shift"] > 0.0).sum() == (table["start_gap"] < 0.0).sum() > 10
@@ -198,6 +196,5 @@ def test_an_identified_floor_explains_single_pushes_better_than_isotropic_fricti
         select={"surface": surface, "object": plate, "side": 1.0},
     )
     (row,) = found.by("object").to_dict("records")
-    assert row["count"] > 60
-    assert row["mean_error"] < 0.8 * row["isotropic_mean_error"]
+    assert row["count"] > 60 and row["mean_error"] < 0.8 * row["isotropic_mean_error"]
     assert row["mean_turn_error"] < 0.8 * row["isotropic_mean_turn_error"]

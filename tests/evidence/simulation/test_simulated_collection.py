@@ -87,8 +87,7 @@ def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
     made = simulate_collection(LOOP, tmp_path, cycles, noise=RecordingNoise(turn=sigma), seed=1)
     theta = truth(made.folder)
     error = (theta[1:] - LOOP.next_theta(theta[:-1])) / sigma
-    assert error.size == cycles
-    assert abs(error.mean()) < 3.0 / math.sqrt(cycles)
+    assert error.size == cycles and abs(error.mean()) < 3.0 / math.sqrt(cycles)
     assert error.std() == pytest.approx(1.0, abs=3.0 / math.sqrt(2.0 * cycles))
     assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 3.0 / math.sqrt(cycles)
     recorded = load_pushes(tmp_path).table["theta0"].to_numpy()
@@ -174,14 +173,12 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
     # As a run leaves it that was killed before its first file was whole.
     (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
     told: list[float] = []
-    assert simulate(tmp_path, progress=told.append).resumed == 0
-    assert contents(tmp_path) == undisturbed
+    assert simulate(tmp_path, progress=told.append).resumed == 0 and contents(tmp_path) == undisturbed
     assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
     notes = tmp_path / TRUTH_FILE
     for damage, resumed in (("", 0), (notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
         notes.write_text(damage)
-        assert simulate(tmp_path).resumed == resumed
-        assert contents(tmp_path) == undisturbed
+        assert simulate(tmp_path).resumed == resumed and contents(tmp_path) == undisturbed
 
 
 @pytest.mark.parametrize(
@@ -283,8 +280,7 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path) -> None:
         tried.append(fraction)
 
     simulate(folder, progress=meanwhile)
-    assert len(tried) == CYCLES
-    assert simulate(folder).resumed == CYCLES
+    assert len(tried) == CYCLES and simulate(folder).resumed == CYCLES
 
 
 BRIEF = CollectionLoop.mit(accuracy=1e-6, push=SidePush(distance=0.01))

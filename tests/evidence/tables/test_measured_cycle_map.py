@@ -24,15 +24,13 @@ def test_a_rotation_takes_its_twenty_pushes_a_turn_measured_and_predicted(pace) 
     found = turn_pace(fitted, path, np.arange(201.0), level=1.0, runs=3)
     assert found.measured.tolist() == [20.0] * 9
     assert found.predicted.tolist() == found.lower.tolist() == found.upper.tolist() == [20.0] * 9
-    assert found.inside == 1.0
-    assert np.all(np.diff(found.start) == 20.0)
+    assert found.inside == 1.0 and np.all(np.diff(found.start) == 20.0)
 
 
 def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_none() -> None:
     still, fitted = rotation(0.001, 60)
     found = turn_pace(fitted, still, np.arange(61.0), level=2.0, runs=3)
-    assert found.measured.size == found.predicted.size == 0
-    assert np.isnan(found.inside)
+    assert found.measured.size == found.predicted.size == 0 and np.isnan(found.inside)
     path = np.concatenate([np.linspace(0.0, 1.0, 20), 1.0 + 0.1 * np.cos(np.arange(50.0)), np.linspace(1.0, 9.0, 80)])
     assert full_turns(path, level=1.0).size == 2
 
@@ -84,20 +82,17 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
     assert abs(np.rad2deg(forecast.histogram.edges[peak]) - 180.0) < 20.0
     assert forecast.run.shape == forecast.measured.shape == forecast.lower.shape == (901,)
     held = (forecast.lower <= forecast.measured) & (forecast.measured <= forecast.upper)
-    assert np.mean(held) > 0.5
-    assert forecast.pace.inside > 0.75
+    assert np.mean(held) > 0.5 and forecast.pace.inside > 0.75
 
 
 @pytest.mark.slow
 def test_without_wear_early_and_late_are_one_map() -> None:
     shares: list[float] = []
     found = measured_cycle_map(worn_pairs(400), wear=False, runs=5, progress=shares.append)
-    assert shares == sorted(shares) and shares[-1] == 1.0
-    assert not found.wears
+    assert shares == sorted(shares) and shares[-1] == 1.0 and not found.wears
     assert found.fitted.wear.degree == 0
     assert np.array_equal(found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID))
-    assert found.early.slowest == found.late.slowest
-    assert found.forecast is not None
+    assert found.early.slowest == found.late.slowest and found.forecast is not None
 
 
 def test_pairs_in_no_order_have_a_map_and_no_forecast() -> None:
@@ -126,8 +121,7 @@ def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
 def test_no_wear_is_told_of_short_runs(count) -> None:
     """The map of these cycles wears by 0.6° in 100 cycles: fewer say nothing of it."""
     found = measured_cycle_map(worn_pairs(count), runs=2)
-    assert not found.wears
-    assert found.fitted.wear.degree == 0
+    assert not found.wears and found.fitted.wear.degree == 0
 
 
 def steady_pairs(low: float, high: float, seed: int, least: float = 0.02, count: int = 120) -> Theta0Pairs:
@@ -236,8 +230,7 @@ def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measur
 def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> None:
     found = plywood(measured_data)
     for state in (found.early, found.late):
-        assert not state.fixed_points
-        assert np.rad2deg(state.slowest.theta) == pytest.approx(95.5, abs=4.0)
+        assert not state.fixed_points and np.rad2deg(state.slowest.theta) == pytest.approx(95.5, abs=4.0)
     assert found.late.slowest.turn > 5.0 * found.early.slowest.turn > 0.0
     assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
 

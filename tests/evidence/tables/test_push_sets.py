@@ -63,8 +63,7 @@ def test_two_tables_alike_stay_two_sets_with_two_names(tmp_path) -> None:
     for name in ("one.csv", "two.csv"):
         write(tmp_path / name, rows("abs", 20))
     sets = push_sets(load_pushes(tmp_path))
-    assert [found.count for found in sets] == [20, 20]
-    assert len({found.name for found in sets}) == 2
+    assert [found.count for found in sets] == [20, 20] and len({found.name for found in sets}) == 2
     assert all(Path(found.source).stem in found.name for found in sets)
 
 

@@ -54,8 +54,7 @@ def test_a_law_without_noise_explains_all_and_values_that_do_not_depend_on_the_a
     assert (found.law.harmonics, found.explained) == (2, pytest.approx(1.0))
     assert np.allclose(found.law(GRID), true_turn(GRID), atol=1e-12)
     found = motion_law("dy", rng.uniform(0.0, 6.0, 200), rng.standard_normal(200))
-    assert found.law.harmonics == 0
-    assert found.explained == pytest.approx(0.0, abs=0.05)
+    assert found.law.harmonics == 0 and found.explained == pytest.approx(0.0, abs=0.05)
 
 
 @pytest.mark.parametrize(
@@ -67,8 +66,7 @@ def test_a_set_that_fixes_no_law_says_so_and_does_not_fail(theta, told) -> None:
     laws = set_laws(made_set(theta, 1.0 + noise, noise, noise), harmonics=3)
     assert [law.law for law in laws.laws] == [None] * 3
     assert told in laws.problem
-    assert np.isnan(laws.dtheta.cross_validated_rmse)
-    assert np.isnan(laws.dtheta.explained)
+    assert np.isnan(laws.dtheta.cross_validated_rmse) and np.isnan(laws.dtheta.explained)
 
 
 def fitted(seed: int = 0, count: int = 300):
@@ -83,8 +81,7 @@ def test_predicted_counts_are_those_of_many_draws_of_theta0_projected_through_th
     theta = rng.choice(pushes.theta, draws)
     drawn = np.clip(law(theta) + law.noise(theta) * rng.standard_normal(draws), found.edges[0], found.edges[-1])
     counts = np.histogram(drawn, found.edges)[0] * 300 / draws
-    assert np.max(np.abs(counts - found.predicted)) < 0.15
-    assert np.sum(found.predicted) == pytest.approx(300.0)
+    assert np.max(np.abs(counts - found.predicted)) < 0.15 and np.sum(found.predicted) == pytest.approx(300.0)
 
 
 def test_the_law_alone_puts_every_orientation_where_the_law_does() -> None:
@@ -123,8 +120,7 @@ def test_a_law_that_misses_two_lumps_is_told_from_chance() -> None:
     theta = rng.uniform(0.0, 2 * np.pi, 300)
     value = true_turn(theta) + 0.1 * rng.choice([-1.0, 1.0], 300) + 0.01 * rng.standard_normal(300)
     found = turn_histogram(theta, value, fit_periodic_law(theta, value, harmonics=2), runs=99)
-    assert found.total_variation > found.chance_total_variation
-    assert found.chance.value == pytest.approx(0.01)
+    assert found.total_variation > found.chance_total_variation and found.chance.value == pytest.approx(0.01)
 
 
 def test_bad_input_is_refused_by_name() -> None:
