@@ -32,7 +32,6 @@ def pushes(ratio: float, phi: float, offset: float = 0.0) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(RUNS))
 def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
-    """72 pushes, 0.3 mm and 0.3 degrees of noise."""
     random = np.random.default_rng(seed)
     phi = float(random.uniform(0.0, math.pi))
     planted = probe_pushes(THETA, pushes(1.03, phi) + NOISE * random.normal(size=(72, 3)), ISOTROPIC)

@@ -133,7 +133,6 @@ def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
 
 
 def test_pairs_keep_the_numbers_of_their_pushes() -> None:
-    """Pairs 3 and 7 are missing from the list; pairs that tell no numbers have them in order."""
     path = sine_pairs(20).path
     kept = np.delete(np.arange(20.0), [3, 7])
     ends = path[kept.astype(int)], path[kept.astype(int) + 1]
@@ -144,7 +143,6 @@ def test_pairs_keep_the_numbers_of_their_pushes() -> None:
 
 
 def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
-    """Ten pushes of one board, one of them missing, and three of another."""
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
     data = collection_data(write_poses(tmp_path / "two.csv", rows), None)

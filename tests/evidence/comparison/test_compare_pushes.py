@@ -22,7 +22,6 @@ def loop() -> CollectionLoop:
 
 @pytest.fixture
 def written(tmp_path):
-    """Write rows of pushes as a table of poses, and read it."""
     return lambda rows: write_poses(tmp_path / "poses.csv", rows)
 
 
@@ -49,7 +48,6 @@ def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(loop, 
 
 
 def test_place_direction_length_and_object_of_a_push_are_the_datas(loop, written) -> None:
-    """Whatever the given loop's own protocol is, each push is predicted as it was done."""
     other = replace(loop, push=replace(loop.push, fraction=0.6, angle=0.2, distance=0.05))
     hexagon = CollectionLoop.from_settings({"shape": "hex"}, loop)
     rows = own_pushes(loop, THETA) + own_pushes(other, THETA[:5], s=0.6, t=0.2, push_mm=50)

@@ -10,14 +10,7 @@ from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import first_contact
-from cyclemap.evidence import (
-    DataBlock,
-    RecordingNoise,
-    SurfaceParameters,
-    collected_blocks,
-    identify,
-    simulate_collection,
-)
+from cyclemap.evidence import RecordingNoise, SurfaceParameters, collected_blocks, identify, simulate_collection
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import starting_space
@@ -79,7 +72,7 @@ def names(found: CollectedBlocks) -> dict[str, int]:
     return {block.name: len(block.groups) for block in found.blocks}
 
 
-def cycles_of(found: CollectedBlocks) -> DataBlock:
+def cycles_of(found: CollectedBlocks):
     (cycles,) = [block for block in found.blocks if block.name == "cycles"]
     return cycles
 
@@ -152,7 +145,6 @@ def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
 
 
 def test_poses_alone_tell_the_push_whose_rod_went_as_the_protocol_says(tmp_path) -> None:
-    """The same prediction as from a table with the rod's places, and none where its way is unknown."""
     loop = replace(LOOP, push=SidePush(side=1, fraction=0.4, angle=0.2, distance=0.05))
     bare, full = [], []
     for theta in np.linspace(0.3, 6.0, 8):
@@ -223,7 +215,6 @@ def test_nothing_recognised_names_what_each_path_was(tmp_path) -> None:
 
 
 def test_the_measured_tables_are_recognised_whole(measured_data) -> None:
-    """The numbers of rows are those that the data's own description gives."""
     plywood = {"surface": "plywood", "object": "rect1"}
     files = ["mit_push_endpoints_v10.csv", "mit_rect1_dragback_v10.csv", "mit_rect1_wrench_twist_v10.csv"]
     found = collected_blocks([measured_data / file for file in files], LOOP, plywood, most=1000)

@@ -21,7 +21,6 @@ NOISE = RecordingNoise(0.0, 1e-4, math.radians(0.1), 0.05)
 
 
 def recorded(noise=QUIET, seed=0, count=4, friction=MU):
-    """Records of pushes of the MIT loop on plywood, from several orientations."""
     loop = replace(CollectionLoop.mit("plywood", accuracy=1e-6), pusher=Pusher(friction=friction))
     pushes = [loop.strokes(1.5 * number, loop.push.distance / 60)[0] for number in range(count)]
     rng = np.random.default_rng(seed)
@@ -33,7 +32,6 @@ def sliding_of(records, outline=SQUARE):
 
 
 def friction_of(sliding):
-    """The friction of the rod, identified from forces alone."""
     return identify([force_ratio_block(sliding)], ["pusher_friction"], starts=1)["pusher_friction"]
 
 

@@ -53,7 +53,6 @@ def made_pushes(count: int) -> list[MeasuredPush]:
 
 
 def made_drags(count: int) -> list[MeasuredDrag]:
-    """Drags of the ring to the origin from random poses."""
     generator, model, drags = np.random.default_rng(1), surface_model(TRUTH, RECT1, accuracy=1e-9), []
     for number in range(count):
         start = Pose(*generator.uniform(-0.08, 0.08, 2).tolist(), float(generator.uniform(-3.0, 3.0)))
@@ -63,7 +62,6 @@ def made_drags(count: int) -> list[MeasuredDrag]:
 
 
 def made_cycles(share: float | np.ndarray | None = None) -> DataBlock:
-    """Cycles of the fresh surface, of which a share is said to be worn."""
     turns = loop_on(TRUTH, MIT).next_theta(THETA) - THETA
     return cycle_pair_block(MIT, THETA, turns, np.arange(12), None if share is None else share + 0.0 * THETA)
 
@@ -114,7 +112,6 @@ def test_a_subset_has_the_rows_of_whole_strokes(kind: str) -> None:
 
 
 def test_wear_blends_the_turns_of_the_fresh_and_the_worn_surface() -> None:
-    """At share 0 the prediction is that of the fresh ellipse, at 1 of the worn one, between them on a straight line."""
     fresh, at_end = (made_cycles().residuals(values)[0] for values in (VALUES, VALUES | LATE))
     for share in (0.0, 0.25, 1.0):
         residual = made_cycles(share).residuals(WORN)[0]

@@ -55,7 +55,6 @@ def test_the_derivatives_are_slopes_and_the_prediction_is_that_of_the_limit_surf
 
 
 def test_the_place_of_contact_is_where_the_force_enters_the_outline() -> None:
-    """Forces put on known points of the rim, counted in pieces from the first vertex."""
     side, along = np.divmod((np.arange(40) + 0.5) / 10.0, 1.0)
     rim = SQUARE.points(4)
     start, end = rim[side.astype(int)], rim[side.astype(int) + 1]
@@ -102,7 +101,6 @@ def test_pairs_that_cannot_be_used_are_refused(asked, words) -> None:
 
 
 def test_measured_pairs_ask_for_weight_on_the_rim_on_plywood_and_for_little_on_abs(measured_data) -> None:
-    """Signs and units: all power is positive in the filtered data, and forces are friction times the weight."""
     slider, path = Slider.mit("rect1"), measured_data / "mit_rect1_wrench_twist_v10.csv"
     free, even = {}, {}
     for surface, count in (("plywood", 600), ("abs", 506)):

@@ -17,7 +17,6 @@ DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
 
 
 def level_of(data: np.ndarray, groups: np.ndarray, kinds: object = "m") -> JointProblem:
-    """The mean of some data."""
     design = np.ones((len(data), 1))
     block = DataBlock("level", ("level",), lambda v: (v["level"] - data, design), groups, kinds)
     return JointProblem((block,), LINE.select(("level",)), {})
@@ -50,7 +49,6 @@ def test_known_noise_gives_the_normal_quantile_and_its_own_errors(line) -> None:
 
 
 def test_rows_written_down_twice_as_one_group_tell_no_more_than_once() -> None:
-    """Six places, each measured once but entered twice: grouped errors see six values, not twelve."""
     data = np.random.default_rng(1).standard_normal(6)
     problem = level_of(np.repeat(data, 2), np.repeat(np.arange(6), 2))
     errors = uncertainty(problem, fitted(problem, np.zeros(1)))

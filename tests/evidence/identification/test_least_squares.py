@@ -72,7 +72,6 @@ def test_if_no_start_has_an_answer_the_first_reason_is_told() -> None:
 
 
 def test_a_search_that_meets_a_hole_on_its_way_turns_back() -> None:
-    """The best point without the hole lies within it, so the search ends outside with a finite deviance."""
     problem = with_holes(joint(0.0), 0.13, ConvergenceError)
     start = SPACE.vector({**TRUTH, "pusher_friction": 0.05})
     fit = fitted(problem, start, known=dict.fromkeys(problem.kind_names, 0.01))

@@ -52,7 +52,6 @@ def collection(seed: int, wild: int = 0) -> list[DataBlock]:
 
 @pytest.mark.parametrize("wild", [0, 2])
 def test_friction_pressure_and_frames_of_two_plates_come_back_together(wild: int) -> None:
-    """Within four of their own errors, also where two pushes in thirty go wrong; the isotropic errors are worse."""
     free = tuple(TRUTH)
     found = identify(collection(3, wild), free, priors=usual_beliefs(free), starts=1, folds=3, student=4.0)
     for name, value in TRUTH.items():

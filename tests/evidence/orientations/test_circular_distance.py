@@ -191,7 +191,6 @@ def test_kuiper_is_the_arc_that_differs_most() -> None:
 
 @pytest.mark.parametrize("statistic", STATISTICS)
 def test_a_change_of_variable_changes_nothing(statistic) -> None:
-    """Both depend on G(θ) alone."""
     law, sample = cardioid(0.9, 1.0), evenly(1, 40, 4)[0]
     straight = statistic(TURN * law.cumulative(sample), uniform)
     assert statistic(sample, law) == pytest.approx(float(straight), abs=1e-12)

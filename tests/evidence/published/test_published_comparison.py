@@ -82,7 +82,6 @@ def test_between_47_nodes_the_loop_is_met_within_a_hundredth_of_a_degree_and_ten
 
 
 def test_the_statistics_are_those_of_a_sampled_run():
-    """The same noisy cycles drawn one after the other, from many starts."""
     given, count = replace(published_statistics("delrin"), rmse=(0.0, 0.0, 0.0)), 4000
     pushes = (1.3 + 0.05 * np.sin(ANGLES), 0.04 + 0.003 * np.cos(ANGLES), -0.06 + 0 * ANGLES)
     found = predicted_statistics(np.column_stack([0.15 + 0.1 * np.cos(ANGLES), *pushes]), given, cycles=CYCLES)
@@ -97,7 +96,6 @@ def test_the_statistics_are_those_of_a_sampled_run():
 
 
 def test_share_of_the_first_direction_counts_the_cycles_nearer_to_it():
-    """A map that returns to -150 degrees from all around keeps the run there; one to 150 degrees does not."""
     given = published_statistics("abs")
     shares = []
     for direction in given.directions:
@@ -129,7 +127,6 @@ def test_the_shipped_file_tells_its_own_misfit_and_meets_every_published_directi
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_real_cycles_turn_towards_each_predicted_stable_direction(name, comparisons):
-    """The series between nodes and the mechanics itself agree on where the turn changes sign, within two degrees."""
     loop, near, stable = CollectionLoop.mit(name), np.deg2rad(2.0), comparisons[name].stable
     assert stable.size == SHOWN[name]
     for angle in stable:
@@ -139,7 +136,6 @@ def test_real_cycles_turn_towards_each_predicted_stable_direction(name, comparis
 
 @pytest.mark.parametrize("name", ["delrin", "pu"])
 def test_means_of_the_2000_pushes_are_met_where_pressure_is_free(name, comparisons):
-    """Within 1.2 degrees, 1.5 and 3 mm of the published means, spreads within a factor 1.5."""
     found, published = comparisons[name].predicted, comparisons[name].published
     assert np.all(np.abs(found.mean - published.mean) < [np.deg2rad(1.2), 1.5e-3, 3e-3])
     assert np.all(np.abs(np.log(found.std / published.std)) < np.log(1.5))

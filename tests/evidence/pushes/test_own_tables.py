@@ -65,7 +65,6 @@ def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(tmp_path
     ids=["decimal commas alone", "trailing commas", "trailing commas below", "a row a trial", "a row a push", "dates"],
 )
 def test_a_row_a_push_is_read_as_it_stands(tmp_path, lines) -> None:
-    """No column is taken for another's, no list of orientations for a stream of poses."""
     path = tmp_path / "log.csv"
     path.write_text("\n".join(lines) + "\n")
     assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
@@ -83,7 +82,6 @@ def test_all_angles_and_all_places_are_guessed_in_one_unit(tmp_path) -> None:
 
 
 def test_a_spreadsheet_is_read_and_one_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> None:
-    """A file of a hundred kilobytes that unpacks to a hundred megabytes is not unpacked."""
     pytest.importorskip("openpyxl")
     path = tmp_path / "log.xlsx"
     frame = pandas.DataFrame({"Push": range(12), "Start angle (deg)": WRAPPED, "Remark": ["ok"] * 12})

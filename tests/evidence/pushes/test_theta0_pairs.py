@@ -104,7 +104,6 @@ def test_an_object_moved_by_hand_is_told_and_the_longest_run_is_between_two_move
 
 @pytest.mark.parametrize("seed", range(5))
 def test_neither_shuffled_pairs_nor_a_sweep_over_theta0_are_taken_for_a_chain(csv, seed) -> None:
-    """A sweep begins close to where the pair before ended, but no closer than turns vary."""
     random = np.random.default_rng(seed)
     shuffled = random.permutation(made_chain(0.0))
     theta = np.sort(random.uniform(0.0, 360.0, 60))

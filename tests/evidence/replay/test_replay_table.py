@@ -101,7 +101,6 @@ def test_any_slider_may_be_given_by_its_name(folder) -> None:
 
 
 def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:
-    """Pushes made under a pressure come back with it; what stands beside is the replay on isotropic friction."""
     slider = Slider.mit("rect1")
     pressed = replace(model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8))
     write_push(tmp_path / push_name(), pressed, aside=0.02)
@@ -114,7 +113,6 @@ def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_pa
 
 
 def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> None:
-    """Ends made by the model come back, with the robot's places moved by a known shift; astray and others stay out."""
     model, rows = model_of("rect1", 1e-7), []
     for number, aside in enumerate((-0.02, 0.0, 0.01)):
         tip, heading = np.array(START.to_world(aside, 0.06)), START.theta - math.pi / 2
@@ -184,7 +182,6 @@ def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_
 def test_an_identified_floor_explains_single_pushes_better_than_isotropic_friction(
     measured_data, surface, plate
 ) -> None:
-    """Pressure of the plate and shift of its frame, as the material has them, are worth a third of the error."""
     floor = cm.load_material(f"{surface}-floor")
     name = "mit_push_endpoints_v10_more.csv" if plate == "tri3" else "mit_push_endpoints_v10.csv"
     found = cm.replay_pushes(

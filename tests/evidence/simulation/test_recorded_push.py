@@ -26,7 +26,6 @@ TOUCH = 0.25 + 0.001 / 0.02
 
 
 def recorded(theta, loop=LOOP, recording=QUIET, steps=60, seed=0):
-    """The push of a cycle and its record."""
     push, _ = loop.strokes(theta, loop.push.distance / steps)
     return push, record_push(push, loop.push.distance, recording, np.random.default_rng(seed))
 
@@ -74,7 +73,6 @@ def test_between_the_steps_the_record_is_that_of_a_run_ten_times_finer(theta) ->
 
 
 def test_the_rod_comes_over_one_millimetre_and_then_touches_all_the_time() -> None:
-    """Geometry alone: the rod's centre is one radius from the square's outline, whatever the integration says."""
     for theta in (0.0, 2.0, 4.0):
         push, record = recorded(theta, SHORT)
         assert push.ended == "distance"
@@ -133,7 +131,6 @@ def test_the_wrench_is_nothing_before_touch_is_held_at_rest_and_turns_the_rod_by
 
 
 def test_a_disc_pushed_through_its_centre_pushes_back_with_friction_times_weight() -> None:
-    """Isotropic ground, a known mass: the force follows from Coulomb's law alone."""
     loop = CollectionLoop(
         Slider.mit("ellip1"), replace(LOOP.material, friction=EllipseFriction.isotropic(0.25)), push=SidePush(0, 0.3)
     )

@@ -12,6 +12,8 @@ from cyclemap.evidence.laws.fit_map import fit_map
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, is_covered, read_theta0_pairs, turn_bins
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, full_turns, measured_cycle_map, turn_pace
 
+pytestmark = pytest.mark.slow
+
 
 def rotation(turns_a_push: float, count: int = 200):
     path = 0.3 + TURN * turns_a_push * np.arange(count + 1.0)
@@ -35,9 +37,7 @@ def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_no
     assert full_turns(path, level=1.0).size == 2
 
 
-@pytest.mark.slow
 def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should() -> None:
-    """Two worn paths, of more than ten turns each: their 95 % ranges cover about 95 %."""
     pairs = worn_pairs(900)
     fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, harmonics=1, wear_degree=1)
     paths = fitted.paths(np.zeros(2), 900, seed=7)
@@ -46,8 +46,6 @@ def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should
     assert min(counts) >= 10
     assert np.average([found.inside for found in inside], weights=counts) == pytest.approx(0.95, abs=0.04)
 
-
-pytestmark = pytest.mark.slow
 
 GRID = np.linspace(0.0, TURN, 90)
 
@@ -85,7 +83,6 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
     assert np.mean(held) > 0.5 and forecast.pace.inside > 0.75
 
 
-@pytest.mark.slow
 def test_without_wear_early_and_late_are_one_map() -> None:
     shares: list[float] = []
     found = measured_cycle_map(worn_pairs(400), wear=False, runs=5, progress=shares.append)
@@ -103,9 +100,7 @@ def test_pairs_in_no_order_have_a_map_and_no_forecast() -> None:
     assert found.early.slowest.theta == pytest.approx(np.pi, abs=0.1)
 
 
-@pytest.mark.slow
 def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
-    """A jump by a third of a turn in the middle: its cycle is no pair, and its height is accounted for."""
     pairs = worn_pairs(400)
     path, kept = pairs.path.copy(), np.arange(400) != 300
     path[301:] += TURN / 3
@@ -116,7 +111,6 @@ def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
     assert found.forecast.left_out_turns == pytest.approx(1 / 3 + own, abs=1e-9)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("count", [25, 60, 99])
 def test_no_wear_is_told_of_short_runs(count) -> None:
     """The map of these cycles wears by 0.6° in 100 cycles: fewer say nothing of it."""
@@ -132,7 +126,6 @@ def steady_pairs(low: float, high: float, seed: int, least: float = 0.02, count:
     return Theta0Pairs(theta, theta + turn)
 
 
-@pytest.mark.slow
 def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
     """90° of the circle: every place told lies there, whatever the fitted series does elsewhere."""
     low, high = np.radians([230.0, 320.0])
@@ -145,10 +138,8 @@ def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
         assert (found.late.fixed_points, found.late.undecided) == ((), ())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("harmonics", "reach"), [(None, 0.8), (1, 0.8), (None, 1.3)])
 def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) -> None:
-    """95 % of the time, whether the order was given or chosen."""
     held = []
     for seed in range(40):
         pairs = steady_pairs(np.pi - reach, np.pi + reach, seed)
@@ -157,7 +148,6 @@ def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) ->
     assert np.mean(held) >= 0.9
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("least", "kinds"), [(-0.05, "fixed"), (0.0, "undecided"), (0.05, "passage")])
 def test_fixed_points_bottlenecks_and_what_cannot_be_told_apart(least, kinds) -> None:
     """Scatter of 0.02 rad and 120 pairs tell a least turn of 0.05 rad, either way, and not one of 0."""
@@ -187,7 +177,6 @@ def plywood(folder: Path) -> MeasuredCycleMap:
     return measured_cycle_map(read_theta0_pairs(folder / "plywood_rect1_theta0_2000.csv"), runs=100)
 
 
-@pytest.mark.slow
 def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
     """Residuals in units of the fitted scatter have size 1, and their medians over 5° bins stay within one of it."""
     found = plywood(measured_data)
@@ -204,7 +193,6 @@ def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
     assert np.rad2deg(np.sqrt(np.mean(bins.median**2))) < 1.0
 
 
-@pytest.mark.slow
 def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measured_data) -> None:
     """17.48 turns of pushes 500 to 2000, 0.23 of them by two jumps that no map explains; without wear 20 and more."""
     forecast = plywood(measured_data).forecast
@@ -226,7 +214,6 @@ def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measur
     assert forecast.total_variation < 0.1
 
 
-@pytest.mark.slow
 def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> None:
     found = plywood(measured_data)
     for state in (found.early, found.late):
@@ -235,7 +222,6 @@ def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> 
     assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
 
 
-@pytest.mark.slow
 def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:
     """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5 turns, not 16.4."""
     pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")

@@ -15,34 +15,21 @@ GRID = np.linspace(0.0, 2 * np.pi, 90)
 NOISE = np.deg2rad(2.07), 0.91e-3, 3.39e-3
 
 
-@pytest.fixture(scope="module")
-def plywood(real_loop):
+def test_laws_of_simulated_plywood_leave_the_noise_and_the_two_tables_add_up(real_loop) -> None:
     """400 pushes on Table I's plywood, 100 orientations at random, each four times, with the paper's noise."""
     rng = np.random.default_rng(0)
     cycles = real_loop.cycles(rng.uniform(0.0, 2 * np.pi, 100))
-    theta = np.tile(cycles.theta, 4)
     true = np.tile(np.column_stack([cycles.push_turn, cycles.push_displacement]), (4, 1))
-    order, noise = rng.permutation(400), np.array(NOISE) * rng.standard_normal((400, 3))
-    return made_set(theta[order], *(true + noise)[order].T), true[order]
-
-
-def test_laws_of_simulated_plywood_leave_the_noise_and_nothing_more(plywood) -> None:
-    pushes, true = plywood
-    laws = set_laws(pushes).laws
-    for column, (found, sigma) in enumerate(zip(laws, NOISE, strict=True)):
-        assert found.problem is None
-        assert found.law.rmse == pytest.approx(sigma, rel=0.1)
+    measured = true + np.array(NOISE) * rng.standard_normal((400, 3))
+    pushes = made_set(np.tile(cycles.theta, 4), *measured.T)
+    statistics, laws = push_statistics(pushes), set_laws(pushes).laws
+    rows = statistics.dtheta, statistics.dx, statistics.dy
+    for row, found, sigma, exact in zip(rows, laws, NOISE, true.T, strict=True):
+        assert found.problem is None and found.law.rmse == pytest.approx(sigma, rel=0.1)
         assert found.cross_validated_rmse == pytest.approx(sigma, rel=0.12)
         # The law itself is nearer the mechanics than any one push.
-        assert np.sqrt(np.mean((found.law(pushes.theta) - true[:, column]) ** 2)) < 0.3 * sigma
-
-
-def test_the_two_tables_add_up_variance_is_that_of_the_law_and_that_about_it(plywood) -> None:
-    pushes, _ = plywood
-    statistics, laws = push_statistics(pushes), set_laws(pushes)
-    for row, found in zip((statistics.dtheta, statistics.dx, statistics.dy), laws.laws, strict=True):
-        of_law = np.var(found.law(found.theta))
-        assert row.std**2 == pytest.approx(of_law + found.law.rmse**2, rel=0.02)
+        assert np.sqrt(np.mean((found.law(pushes.theta) - exact) ** 2)) < 0.3 * sigma
+        assert row.std**2 == pytest.approx(np.var(found.law(found.theta)) + found.law.rmse**2, rel=0.02)
         assert 100 * found.law.total_std / abs(found.law.mean) == pytest.approx(row.percent)
         assert 0.0 < found.explained < 1.0
 
