@@ -32,8 +32,7 @@ def test_the_true_law_is_kept_in_every_question() -> None:
     assert asked[:3] == QUESTIONS
     assert asked[4:] == ["number of turns", "number of steps", "step height", "residence on a step"]
     assert [one.agrees for one in truth.verdicts] == [True] * 8
-    assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1)
-    assert truth.cycle.noise == pytest.approx(0.15)
+    assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1) and truth.cycle.noise == pytest.approx(0.15)
     width = 2 * np.pi / truth.orientations.predicted.density.size
     for histogram in (truth.orientations.measured, truth.orientations.predicted):
         assert histogram.density.sum() * width == pytest.approx(1.0)
@@ -54,7 +53,7 @@ def test_the_true_law_is_kept_in_every_question() -> None:
 )
 def test_a_wrong_law_is_refused(quick, wrong, noise) -> None:
     found = compare(wrong, sine_pairs(300), noise=noise, runs=49)
-    assert found.orientations.tests["watson"].value <= 0.02
+    assert max(test.value for test in found.orientations.tests.values()) <= 0.04
     # The noise is no part of the map: that test is blind to it.
     assert (found.cycle.p_value.value <= 0.02) == (wrong is not SINE)
 
@@ -146,8 +145,7 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
     data = collection_data(write_poses(tmp_path / "two.csv", rows), None)
-    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
-    assert data.left_out["cycle of another set"] == 2
+    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8] and data.left_out["cycle of another set"] == 2
     assert data.pairs.path_cycle.tolist() == [4, 5, 6, 7, 8, 9]
     assert np.allclose(data.pairs.path, 0.1 * np.arange(4, 10))
     (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")

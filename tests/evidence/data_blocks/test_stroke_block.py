@@ -3,7 +3,6 @@
 import itertools
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -153,9 +152,7 @@ def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
 
 
 @pytest.mark.parametrize(("surface", "slope", "radius"), [("plywood", 0.74, 0.0), ("abs", 0.68, 2e-3)])
-def test_measured_drags_turn_less_than_even_pressure_and_a_free_ring_would_let_them(
-    measured_data: Path, surface: str, slope: float, radius: float
-) -> None:
+def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(measured_data, surface, slope, radius) -> None:
     """Regression slopes measured over predicted are below one; weight on the rim and a rubbing ring help."""
     drags = read_measured_drags(measured_data / "mit_rect1_dragback_v10.csv", {"surface": surface})
     block = drag_turn_block(drags, RECT1)

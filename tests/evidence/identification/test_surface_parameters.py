@@ -27,8 +27,7 @@ def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
     offset, turned = complex(before.offset_x, before.offset_y), complex(after.offset_x, after.offset_y)
     assert abs(turned - offset * np.exp(1j * angle)) < 1e-15
     axis, twice = complex(before.ellipticity_x, before.ellipticity_y), complex(after.ellipticity_x, after.ellipticity_y)
-    assert abs(twice - axis * np.exp(2j * angle)) < 1e-15
-    assert after.friction_scale == before.friction_scale
+    assert abs(twice - axis * np.exp(2j * angle)) < 1e-15 and after.friction_scale == before.friction_scale
 
 
 def test_a_space_selects_and_extends_by_name_and_begins_at_the_nominal_surface() -> None:

@@ -22,9 +22,7 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts,
         ("a=2500_v=-1_i=0.000_s=0.700_t=0.000", (2.5, math.nan, 0.0, 0.7, 0.0, math.nan)),
     ],
 )
-def test_a_name_gives_its_facts_in_si_units_whatever_its_suffix_and_an_accelerated_push_no_speed(
-    told, facts, suffix
-) -> None:
+def test_a_name_gives_its_facts_in_si_units_and_an_accelerated_push_no_speed(told, facts, suffix) -> None:
     path = f"normal/motion_surface=plywood_shape=rect1_{told}{suffix}"
     assert repr(push_facts(path)) == repr(push_facts(Path(path))) == repr(PushFacts("plywood", "rect1", *facts))
 

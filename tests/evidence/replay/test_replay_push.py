@@ -2,7 +2,6 @@
 
 import math
 from contextlib import suppress
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -52,14 +51,6 @@ def test_every_place_of_a_curved_path_is_within_the_bend_of_its_strokes() -> Non
     assert travel[-1] == pytest.approx(0.04 * 1.5 * np.pi, rel=0.01) and straightness > 0.05
 
 
-def test_travel_and_place_are_inverse_to_each_other_on_the_corners() -> None:
-    corners = np.array([[0.0, 0.0], [0.03, 0.0], [0.03, 0.04], [0.03, 0.01]])
-    places = np.vstack([np.linspace(a, b, 50) for a, b in pairwise(corners)])
-    found, travel, _ = tip_path(table(places))
-    assert found == pytest.approx(corners)
-    assert interpolated(travel, np.array([0.0, 0.03, 0.07, 0.1]), found) == pytest.approx(places, abs=1e-12)
-
-
 def test_a_tip_that_trembles_backwards_never_travels_back_and_one_that_stays_is_refused() -> None:
     place = np.column_stack([[0.0, 0.01, 0.0099, 0.02, 0.0198, 0.03], np.zeros(6)])
     assert tip_path(table(place))[1] == pytest.approx([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
@@ -107,8 +98,7 @@ def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(na
     assert told["measured_turn"] == pytest.approx(push.turn, abs=1e-5)
     assert replay.strokes == 1
     assert replay.straightness < 1e-9 and np.all(replay.shift == 0.0)
-    assert replay.left == (push.ended == "left") and replay.touch_agrees
-    assert replay.leaving_agrees
+    assert replay.left == (push.ended == "left") and replay.touch_agrees and replay.leaving_agrees
 
 
 @pytest.mark.parametrize("overlap", [0.3, 1.5, 4.0])
@@ -154,8 +144,7 @@ def test_a_path_that_bends_is_the_same_pushes_one_after_the_other(name, corners)
     assert replay.strokes == len(corners) - 1 and replay.straightness > 1 * MILLIMETRE
     wanted = [pose.x - START.x, pose.y - START.y, pose.theta - START.theta]
     assert replay.predicted[-1] - replay.predicted[0] == pytest.approx(wanted, abs=1e-6)
-    assert math.hypot(*wanted) > 0.02
-    assert not replay.touch_agrees
+    assert math.hypot(*wanted) > 0.02 and not replay.touch_agrees
 
 
 def test_a_rod_that_passes_by_predicts_no_motion_and_says_so() -> None:
@@ -189,8 +178,7 @@ def test_an_ellipse_cut_into_192_sides_moves_as_the_ellipse_does(friction, offse
     travel = np.linspace(0.0, wanted[0][-1], 41)
     off = interpolated(travel, *found[:2]) - interpolated(travel, *wanted[:2])
     assert np.hypot(*off[:, :2].T).max() < 0.06e-3 and np.abs(off[:, 2]).max() < math.radians(0.2)
-    assert np.ptp(wanted[1][:, 0]) > 0.002
-    assert found[2:] == wanted[2:]
+    assert np.ptp(wanted[1][:, 0]) > 0.002 and found[2:] == wanted[2:]
 
 
 def test_the_butterfly_is_symmetric_as_large_as_the_datasets_mesh_and_has_its_plates_inertia() -> None:

@@ -61,8 +61,7 @@ def replayed(folder):
 
 
 def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) -> None:
-    assert list(replayed.table.columns) == list(REPLAY_COLUMNS)
-    assert len(replayed.table) == len(replayed.replays) == 5
+    assert list(replayed.table.columns) == list(REPLAY_COLUMNS) and len(replayed.table) == len(replayed.replays) == 5
     reasons = {file.path.name: file.reason for file in replayed.not_replayed}
     assert len(reasons) == len(replayed.not_replayed) == 6 and len(reasons) + 5 == len(list(folder.iterdir()))
     for name, reason in {
@@ -179,9 +178,7 @@ def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_
 
 @pytest.mark.parametrize("surface", ["plywood", "abs"])
 @pytest.mark.parametrize("plate", ["rect2", "tri3"])
-def test_an_identified_floor_explains_single_pushes_better_than_isotropic_friction(
-    measured_data, surface, plate
-) -> None:
+def test_an_identified_floor_explains_pushes_better_than_isotropic_friction(measured_data, surface, plate) -> None:
     floor = cm.load_material(f"{surface}-floor")
     name = "mit_push_endpoints_v10_more.csv" if plate == "tri3" else "mit_push_endpoints_v10.csv"
     found = cm.replay_pushes(

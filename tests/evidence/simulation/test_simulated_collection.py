@@ -125,21 +125,15 @@ def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
     assert CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
 
 
-class BrokenOffError(Exception):
-    """What stops a run in these tests."""
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("calls", range(1, 2 * CYCLES, 3))
-def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
-    tmp_path, monkeypatch, undisturbed, calls
-) -> None:
+def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(tmp_path, monkeypatch, undisturbed, calls) -> None:
     left = [calls]
 
     def stopping(real):
         def call(*arguments):
             if left[0] == 0:
-                raise BrokenOffError
+                raise KeyboardInterrupt
             left[0] -= 1
             return real(*arguments)
 
@@ -148,7 +142,7 @@ def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
     with monkeypatch.context() as patch:
         patch.setattr(module, "write_push_file", stopping(module.write_push_file))
         patch.setattr(module.CollectionFolder, "append_truth", stopping(module.CollectionFolder.append_truth))
-        with pytest.raises(BrokenOffError):
+        with pytest.raises(KeyboardInterrupt):
             simulate(tmp_path)
     made = simulate(tmp_path)
     assert (made.resumed, made.written) == (calls // 2, CYCLES - calls // 2)
@@ -165,7 +159,7 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
     assert simulate(tmp_path, progress=told.append).resumed == 0 and contents(tmp_path) == undisturbed
     assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
     notes = tmp_path / TRUTH_FILE
-    for damage, resumed in (("", 0), (notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
+    for damage, resumed in ((notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
         notes.write_text(damage)
         assert simulate(tmp_path).resumed == resumed and contents(tmp_path) == undisturbed
 
@@ -232,10 +226,6 @@ def test_a_push_that_the_mechanics_cannot_do_is_told_with_its_cycle(tmp_path, mo
     refused(simulate, tmp_path, start=1.0, told=told, kind=UnsupportedContact)
 
 
-def emptied(path: Path) -> None:
-    path.write_bytes(b"")
-
-
 def altered(path: Path) -> None:
     """One digit of the path, or one byte of a record, is another."""
     content = bytearray(path.read_bytes())
@@ -245,7 +235,7 @@ def altered(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [emptied, altered, Path.unlink])
+@pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b""), altered, Path.unlink])
 @pytest.mark.parametrize("pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"])
 def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, damage) -> None:
     made = simulate(tmp_path / "made", cycles=5, scans=True)
@@ -288,8 +278,7 @@ def test_each_cycle_is_that_of_its_loop_with_the_grippers_turn_after_it(tmp_path
         theta.append(loop.cycle(theta[-1]).theta_next + turn)
     told = [float(line.split()[1]) for line in (tmp_path / "made" / "true_theta0.txt").read_text().splitlines()]
     # The recorded run takes shorter steps than the cycles here.
-    assert told == pytest.approx(theta, abs=1e-5)
-    assert made.theta_last == told[2]
+    assert told == pytest.approx(theta, abs=1e-5) and made.theta_last == told[2]
     table = load_pushes(made.folder).table.sort_values("repetition")
     assert table["side"].tolist() == [0.0, 2.0, 1.0]
     turns = [loop.cycle(start).push_turn for loop, start in zip(LOOPS, theta, strict=False)]

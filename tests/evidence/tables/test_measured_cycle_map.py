@@ -63,8 +63,7 @@ def test_the_made_map_is_found_with_its_wear_its_scatter_and_its_bottleneck(made
         assert not state.fixed_points
         (passage,) = state.passages
         assert passage.theta == pytest.approx(np.pi, abs=0.05)
-        assert passage.lower < worn_turn(np.pi, state.cycle) < passage.upper
-        assert passage.upper - passage.lower < 0.02
+        assert passage.lower < worn_turn(np.pi, state.cycle) < passage.upper and passage.upper - passage.lower < 0.02
         assert state.slowest.theta == pytest.approx(np.pi, abs=0.05)
     assert (made.early.cycle, made.late.cycle) == (pytest.approx(112.375), pytest.approx(786.625))
 
@@ -86,8 +85,7 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
 def test_without_wear_early_and_late_are_one_map() -> None:
     shares: list[float] = []
     found = measured_cycle_map(worn_pairs(400), wear=False, runs=5, progress=shares.append)
-    assert shares == sorted(shares) and shares[-1] == 1.0 and not found.wears
-    assert found.fitted.wear.degree == 0
+    assert shares == sorted(shares) and shares[-1] == 1.0 and not found.wears and found.fitted.wear.degree == 0
     assert np.array_equal(found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID))
     assert found.early.slowest == found.late.slowest and found.forecast is not None
 

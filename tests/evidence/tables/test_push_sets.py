@@ -23,9 +23,7 @@ def write(file: Path, lines: list[str]) -> Path:
 
 
 @pytest.mark.parametrize("missing", [[], [30]])
-def test_repeated_pushes_in_any_order_give_their_path_with_gaps_in_the_pairs_where_one_is_missing(
-    tmp_path, missing
-) -> None:
+def test_repeated_pushes_in_any_order_give_their_path_and_pairs_but_across_gaps(tmp_path, missing) -> None:
     true, kept = worn_pairs(60), np.delete(np.arange(61), missing)
     file = write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path))
     header, *lines = file.read_text().splitlines()
@@ -55,8 +53,7 @@ def test_sets_are_told_apart_by_surface_and_contact_and_named_as_shortly_as_can_
 def test_pushes_that_were_never_repeated_are_pooled_over_contacts_and_say_so(tmp_path) -> None:
     lines = [f"plywood,rect1,20,0,{k / 100:g},0,,{PUSH}" for k in range(40)]
     (found,) = push_sets(load_pushes(write(tmp_path / "poses.csv", lines)))
-    assert (found.count, found.contacts, found.pairs) == (40, 40, None)
-    assert "fraction" not in found.facts
+    assert (found.count, found.contacts, found.pairs) == (40, 40, None) and "fraction" not in found.facts
 
 
 def test_two_tables_alike_stay_two_sets_with_two_names(tmp_path) -> None:

@@ -51,8 +51,7 @@ def test_a_law_without_noise_explains_all_and_values_that_do_not_depend_on_the_a
 def test_a_set_that_fixes_no_law_says_so_and_does_not_fail(theta, told) -> None:
     noise = np.random.default_rng(0).standard_normal(len(theta))
     laws = set_laws(made_set(theta, 1.0 + noise, noise, noise), harmonics=3)
-    assert [law.law for law in laws.laws] == [None] * 3
-    assert told in laws.problem
+    assert [law.law for law in laws.laws] == [None] * 3 and told in laws.problem
     assert np.isnan(laws.dtheta.cross_validated_rmse) and np.isnan(laws.dtheta.explained)
 
 
