@@ -45,28 +45,6 @@ def simulate(folder, **changes):
     return simulate_collection(LOOP, folder, **{"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes)
 
 
-def test_the_table_read_back_is_the_path_of_the_cycle_map(tmp_path) -> None:
-    """Cycle after cycle by the loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
-    made = simulate_collection(LOOP, tmp_path / "made", 6, start=2.0, noise=SILENT)
-    pushes = load_pushes(made.folder)
-    table = pushes.table
-    assert pushes.unreadable == () and len(table) == 6 == made.cycles
-    assert table["repetition"].tolist() == list(range(6))
-    theta = 2.0
-    for row in table.itertuples():
-        cycle = LOOP.cycle(theta)
-        assert math.remainder(row.theta0 - theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
-        assert (row.dx, row.dy) == pytest.approx(cycle.push_displacement, abs=1e-6)
-        assert row.dtheta == pytest.approx(cycle.push_turn, abs=1e-5)
-        theta = cycle.theta_next
-        if row.Index < 5:
-            turn = cycle.push_turn + cycle.drag_turn
-            assert row.theta_next - row.theta0 == pytest.approx(turn, abs=1e-5)
-    assert math.isnan(table["theta_next"].iloc[-1])
-    assert made.theta_last == pytest.approx(truth(made.folder)[-2], abs=0.0)
-    assert truth(made.folder)[-1] == pytest.approx(theta, abs=2e-5)
-
-
 def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
     loop = replace(LOOP, material=replace(LOOP.material, name="plywood (changed)"))
     made = simulate_collection(loop, tmp_path, 2, suffix=".json", speed=0.05)
@@ -269,20 +247,24 @@ LOOPS = (
 TURNS = (0.0, 0.5, -1.0)
 
 
-def test_each_cycle_is_that_of_its_loop_with_the_grippers_turn_after_it(tmp_path) -> None:
-    made = simulate_collection(
-        BRIEF, tmp_path / "made", 3, noise=SILENT, suffix=".json", cycle_loops=LOOPS, gripper_turns=TURNS
-    )
-    theta = [0.0]
-    for loop, turn in zip(LOOPS, TURNS, strict=True):
-        theta.append(loop.cycle(theta[-1]).theta_next + turn)
-    told = [float(line.split()[1]) for line in (tmp_path / "made" / "true_theta0.txt").read_text().splitlines()]
-    # The recorded run takes shorter steps than the cycles here.
-    assert told == pytest.approx(theta, abs=1e-5) and made.theta_last == told[2]
-    table = load_pushes(made.folder).table.sort_values("repetition")
-    assert table["side"].tolist() == [0.0, 2.0, 1.0]
-    turns = [loop.cycle(start).push_turn for loop, start in zip(LOOPS, theta, strict=False)]
-    assert table["dtheta"].to_numpy() == pytest.approx(turns, abs=1e-4)
+@pytest.mark.parametrize("given", [{}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}])
+def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(tmp_path, given) -> None:
+    """By each loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
+    made = simulate_collection(BRIEF, tmp_path / "made", 3, start=2.0, noise=SILENT, **given)
+    pushes, theta = load_pushes(made.folder), [2.0]
+    rows = list(pushes.table.sort_values("repetition").itertuples())
+    assert pushes.unreadable == () and [row.repetition for row in rows] == [0, 1, 2]
+    loops, turns = given.get("cycle_loops", (BRIEF,) * 3), given.get("gripper_turns", (0.0,) * 3)
+    for row, loop, turn in zip(rows, loops, turns, strict=True):
+        cycle = loop.cycle(theta[-1])
+        assert row.side == loop.push.side
+        assert math.remainder(row.theta0 - theta[-1], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
+        assert (row.dx, row.dy, row.dtheta) == pytest.approx((*cycle.push_displacement, cycle.push_turn), abs=1e-5)
+        theta.append(cycle.theta_next + turn)
+        ahead = theta[-1] - theta[-2] if not given and row.repetition < 2 else math.nan
+        assert row.theta_next - row.theta0 == pytest.approx(ahead, abs=1e-5, nan_ok=True)
+    assert truth(made.folder) == pytest.approx(theta, abs=2e-5)
+    assert made.theta_last == truth(made.folder)[-2]
 
 
 def test_the_surface_wears_under_changing_pushes_too(tmp_path) -> None:
