@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_collections import NOISE, SINE, WORN, own_pushes, pairs_of, pose_row, sine_pairs, write_poses
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import Theta0Pairs, collection_p_values, compare, simulated_ensemble
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.cycle_agreement import map_misfit
@@ -31,8 +32,7 @@ def test_the_true_law_is_kept_in_every_question() -> None:
     assert asked[:3] == QUESTIONS
     assert asked[4:] == ["number of turns", "number of steps", "step height", "residence on a step"]
     assert [one.agrees for one in truth.verdicts] == [True] * 8
-    assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1)
-    assert truth.cycle.noise == pytest.approx(0.15)
+    assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1) and truth.cycle.noise == pytest.approx(0.15)
     width = 2 * np.pi / truth.orientations.predicted.density.size
     for histogram in (truth.orientations.measured, truth.orientations.predicted):
         assert histogram.density.sum() * width == pytest.approx(1.0)
@@ -53,7 +53,7 @@ def test_the_true_law_is_kept_in_every_question() -> None:
 )
 def test_a_wrong_law_is_refused(quick, wrong, noise) -> None:
     found = compare(wrong, sine_pairs(300), noise=noise, runs=49)
-    assert found.orientations.tests["watson"].value <= 0.02
+    assert max(test.value for test in found.orientations.tests.values()) <= 0.04
     # The noise is no part of the map: that test is blind to it.
     assert (found.cycle.p_value.value <= 0.02) == (wrong is not SINE)
 
@@ -67,8 +67,7 @@ def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
     assert right.cycle.agreement.pairs == shifted.cycle.agreement.pairs == 300
     assert right.data.pairs.path_cycle[0] == 100
     assert min(right.orientations.tests["watson"].value, right.cycle.p_value.value) > 0.05
-    assert still.orientations.tests["watson"].value <= 0.02
-    assert shifted.cycle.p_value.value <= 0.02
+    assert still.orientations.tests["watson"].value <= 0.02 and shifted.cycle.p_value.value <= 0.02
     assert right.staircase.theory is None
 
 
@@ -110,7 +109,7 @@ def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_say
     mu_a, drawn = loop.material.friction.mu_a, rng.normal(1.0, 0.05, (44, 1))
     posterior = MaterialPosterior(("mu_a",), tuple((mu_a * ratio[0],) for ratio in drawn[:32]))
     known = replace(loop, material=replace(loop.material, posterior=posterior))
-    prediction, refused = as_prediction(known, quiet, 200, tolerance=1e-4), {"known": 0, "alone": 0}
+    prediction, rejected = as_prediction(known, quiet, 200, tolerance=1e-4), {"known": 0, "alone": 0}
     for number, (ratio,) in enumerate(drawn[32:].tolist()):
         friction = replace(loop.material.friction, mu_a=mu_a * ratio)
         truth = replace(loop, material=replace(loop.material, friction=friction)).circle_map(1e-4)
@@ -118,9 +117,8 @@ def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_say
         for name, model in (("known", prediction.model(0, uncertain=True)), ("alone", prediction.model(0))):
             ensemble = simulated_ensemble(prediction.model(0), 0.5, path.size, 20, seed=9)
             found = collection_p_values(path, model, {"map": map_misfit}, runs=99, ensemble=ensemble)
-            refused[name] += found["map"].value <= 0.1
-    assert refused["known"] <= 4
-    assert refused["alone"] >= 8
+            rejected[name] += found["map"].value <= 0.1
+    assert rejected["known"] <= 4 and rejected["alone"] >= 8
 
 
 def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
@@ -134,7 +132,6 @@ def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
 
 
 def test_pairs_keep_the_numbers_of_their_pushes() -> None:
-    """Pairs 3 and 7 are missing from the list; pairs that tell no numbers have them in order."""
     path = sine_pairs(20).path
     kept = np.delete(np.arange(20.0), [3, 7])
     ends = path[kept.astype(int)], path[kept.astype(int) + 1]
@@ -145,12 +142,10 @@ def test_pairs_keep_the_numbers_of_their_pushes() -> None:
 
 
 def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
-    """Ten pushes of one board, one of them missing, and three of another."""
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
     data = collection_data(write_poses(tmp_path / "two.csv", rows), None)
-    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
-    assert data.left_out["cycle of another set"] == 2
+    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8] and data.left_out["cycle of another set"] == 2
     assert data.pairs.path_cycle.tolist() == [4, 5, 6, 7, 8, 9]
     assert np.allclose(data.pairs.path, 0.1 * np.arange(4, 10))
     (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")
@@ -169,13 +164,11 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     ],
 )
 def test_a_question_that_makes_no_sense_is_refused(prediction, options, words) -> None:
-    with pytest.raises(InvalidInput, match=words):
-        compare(prediction, sine_pairs(20), **options)
+    refused(compare, prediction, sine_pairs(20), told=words, **options)
 
 
 def test_data_that_cannot_be_read_are_refused(tmp_path) -> None:
-    with pytest.raises(DataFileError, match=r"nowhere\.csv"):
-        compare(SINE, tmp_path / "nowhere.csv", noise=NOISE)
+    refused(compare, SINE, tmp_path / "nowhere.csv", noise=NOISE, told=r"nowhere\.csv", kind=DataFileError)
     (tmp_path / "bad.json").write_text("{")
-    with pytest.raises(InvalidInput, match=r"no push could be read, 1 files are bad; the first: .*bad\.json"):
-        compare(SINE, tmp_path, noise=NOISE)
+    told = r"no push could be read, 1 files are bad; the first: .*bad\.json"
+    refused(compare, SINE, tmp_path, noise=NOISE, told=told)

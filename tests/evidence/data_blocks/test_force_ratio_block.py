@@ -21,7 +21,6 @@ NOISE = RecordingNoise(0.0, 1e-4, math.radians(0.1), 0.05)
 
 
 def recorded(noise=QUIET, seed=0, count=4, friction=MU):
-    """Records of pushes of the MIT loop on plywood, from several orientations."""
     loop = replace(CollectionLoop.mit("plywood", accuracy=1e-6), pusher=Pusher(friction=friction))
     pushes = [loop.strokes(1.5 * number, loop.push.distance / 60)[0] for number in range(count)]
     rng = np.random.default_rng(seed)
@@ -33,7 +32,6 @@ def sliding_of(records, outline=SQUARE):
 
 
 def friction_of(sliding):
-    """The friction of the rod, identified from forces alone."""
     return identify([force_ratio_block(sliding)], ["pusher_friction"], starts=1)["pusher_friction"]
 
 
@@ -75,5 +73,4 @@ def test_the_measured_files_of_the_hexagon_agree_on_a_friction_near_a_fifth(meas
         found += [sliding_of([read_push_file(file)], Slider.mit(shape).outline_points(360)) for file in files]
     assert [one.ratio.size < 2 for one in pieces["rect1"]] == [True] * 13
     values = [friction_of(one).value for one in pieces["hex"] if one.ratio.size > 1]
-    assert len(values) >= 10
-    assert all(0.15 < value < 0.27 for value in values)
+    assert len(values) >= 10 and all(0.15 < value < 0.27 for value in values)

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 from stand_ins import ELLIPSE, TRUTH, fitted, force_block, motion_block
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.evidence import DataBlock, Parameter, ParameterSpace
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identify import cross_validate, kind_errors, random_folds
@@ -38,8 +39,7 @@ def test_left_out_errors_of_a_linear_law_are_those_of_the_hat_matrix(size: int) 
         for rows in (slice(first, first + size) for first in range(0, 12, size))
     ]
     found, failures = cross_validate(problem, fit, random_folds(problem, 12 // size))
-    assert np.allclose(found, np.concatenate(expected), atol=2e-4)
-    assert failures == []
+    assert np.allclose(found, np.concatenate(expected), atol=2e-4) and failures == []
 
 
 def test_random_folds_keep_groups_whole_and_deal_every_block_evenly(joint) -> None:
@@ -50,8 +50,7 @@ def test_random_folds_keep_groups_whole_and_deal_every_block_evenly(joint) -> No
     assert np.bincount(fold[joint.block_index == 0]).tolist() == [6, 6, 6, 6]
     assert np.bincount(fold[joint.block_index == 1]).tolist() == [8, 8, 8, 8]
     for folds in (1, 29):
-        with pytest.raises(InvalidInput, match="folds must be from 2 to the 28 groups"):
-            random_folds(joint, folds)
+        refused(random_folds, joint, folds, told="folds must be from 2 to the 28 groups")
 
 
 def test_rows_of_no_fold_always_stay_and_sizes_are_told_by_block_and_kind(joint) -> None:

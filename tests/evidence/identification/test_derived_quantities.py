@@ -22,7 +22,6 @@ TRUTH = {
 
 
 def identified(law: EllipseFriction, noise: float, seed: int = 0, count: int = 36) -> Identification:
-    """From made scans, noise in N, of an object of 8 N."""
     directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
     return friction_ellipse_from_scans(made_scans(law, directions, 8.0, noise, seed), 8.0)
 
@@ -54,10 +53,8 @@ def test_isotropic_friction_has_no_direction_and_a_ratio_that_may_be_one() -> No
 
 
 def test_a_direction_at_the_end_of_its_range_has_an_interval_around_it() -> None:
-    """An axis along y has angle +90 or -90 degrees: its interval does not run around the circle."""
     axis = derived(EllipseFriction(0.3, 0.2, phi=math.pi / 2), 0.05)["axis_direction"]
-    assert axis.known and axis.upper - axis.lower < 0.2
-    assert abs(math.cos(axis.value)) < 0.1
+    assert axis.known and axis.upper - axis.lower < 0.2 and abs(math.cos(axis.value)) < 0.1
 
 
 def test_samples_scatter_as_the_covariance_says() -> None:

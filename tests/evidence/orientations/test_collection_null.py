@@ -6,16 +6,11 @@ from refusals import refused
 
 from cyclemap.evidence.orientations.circular_distance import CircularLaw
 from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircase, transfer_operator
+from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, transfer_operator
 
 KICKS = WrappedNormal(0.3)
 EARLY, LATE = CircleMap.arnold(0.02, 0.4), CircleMap.arnold(0.2, 0.4)
 WORN = DriftingMap.between([(0, EARLY), (100, LATE)])
-OF_ORIENTATIONS = {"wasserstein", "total_variation", "kuiper", "watson"}
-
-
-def turned(circle_map, angle) -> CircleMap:
-    return CircleMap(lambda theta: circle_map(theta - angle) + angle)
 
 
 def sine_fit(path) -> CollectionModel:
@@ -26,18 +21,6 @@ def sine_fit(path) -> CollectionModel:
     return CollectionModel(CircleMap.arnold(shift / (2 * np.pi), strength), WrappedNormal(float(scatter)))
 
 
-def test_a_rotated_map_a_wrong_noise_and_forgotten_wear_are_rejected() -> None:
-    truth, path = CollectionModel(WORN, KICKS), CollectionModel(WORN, KICKS).paths(0.0, 200, 1, seed=9)[0]
-    assert min(one.value for one in collection_p_values(path, truth, runs=99).values()) > 0.02
-    unworn = collection_p_values(path, CollectionModel(EARLY, KICKS), runs=99)
-    assert all(unworn[name].value == 0.01 for name in ("watson", "turns"))
-    steep = CircleMap.arnold(0.05, 0.6)
-    long = CollectionModel(steep, KICKS).paths(0.5, 600, 1, seed=4)[0]
-    for wrong in (CollectionModel(turned(steep, 0.4), KICKS), CollectionModel(steep, WrappedNormal(0.15))):
-        found = collection_p_values(long, wrong, runs=99)
-        assert all(found[name].value == 0.01 for name in OF_ORIENTATIONS)
-
-
 @pytest.mark.slow
 def test_fitted_parameters_make_p_too_large_unless_they_are_fitted_again() -> None:
     model = CollectionModel(CircleMap.arnold(0.03, 0.4), WrappedNormal(0.6))
@@ -46,21 +29,7 @@ def test_fitted_parameters_make_p_too_large_unless_they_are_fitted_again() -> No
         for found, refit in ((plain, None), (refitted, sine_fit)):
             found.append(collection_p_values(path, sine_fit(path), runs=19, seed=k, refit=refit)["watson"].value)
     # The mean of a calibrated one is 0.525, its standard error 0.29/√70 = 0.035.
-    assert np.mean(plain) > 0.7
-    assert np.mean(refitted) == pytest.approx(0.525, abs=0.105)
-
-
-def test_the_seed_settles_everything_and_rotating_map_and_path_changes_nothing() -> None:
-    path = CollectionModel(EARLY, KICKS).paths(0.3, 60, 1, seed=5)[0]
-    models = CollectionModel(EARLY, KICKS), CollectionModel(EARLY, KICKS), CollectionModel(turned(EARLY, 1.0), KICKS)
-    here, again, there = (
-        collection_p_values(path + angle, model, runs=50, seed=9)
-        for angle, model in zip((0.0, 0.0, 1.0), models, strict=True)
-    )
-    for name in (*OF_ORIENTATIONS - {"total_variation"}, "turns"):
-        assert (again[name].value, again[name].statistic) == (here[name].value, here[name].statistic)
-        assert there[name].statistic == pytest.approx(here[name].statistic, abs=1e-4)
-        assert there[name].value == here[name].value
+    assert np.mean(plain) > 0.7 and np.mean(refitted) == pytest.approx(0.525, abs=0.105)
 
 
 def test_the_law_of_a_collection_is_that_of_its_first_image_at_first_and_the_stationary_one_at_last() -> None:
@@ -80,12 +49,6 @@ def test_images_under_wear_are_those_of_each_cycles_own_map_from_any_first_cycle
         assert np.allclose(images[:, n], WORN.at(30 + n)(paths[:, n]), atol=1e-12)
     # Kicks are what is left, and of the noise's size.
     assert np.std(paths[:, 1:] - images) == pytest.approx(0.3, rel=0.1)
-
-
-def test_a_collection_that_begins_late_is_the_tail_of_one_that_begins_early() -> None:
-    whole = sample_staircase(WORN, None, 100, 0.1).theta
-    begun = CollectionModel(WORN, KICKS, first=40).begun
-    assert np.allclose(sample_staircase(begun, None, 60, float(whole[40])).theta, whole[40:], atol=1e-12)
 
 
 def test_the_refit_is_called_once_a_collection_and_its_ensemble_decides() -> None:

@@ -1,15 +1,13 @@
 """What is published of MIT's pushes adds up; what a material predicts of them is the statistics of its noisy cycles."""
 
-import math
 import re
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence import SurfaceParameters, published_comparison
 from cyclemap.evidence.data_blocks.stroke_block import interpolation, loop_on
 from cyclemap.evidence.published_statistics import (
@@ -22,7 +20,7 @@ from cyclemap.evidence.published_statistics import (
     run_law,
 )
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-from cyclemap.mechanics import Material, Pusher, SidePush, load_material
+from cyclemap.mechanics import Material, load_material
 
 NODES, CYCLES = 11, 100
 ANGLES = 2 * np.pi * np.arange(NODES) / NODES
@@ -43,28 +41,7 @@ def test_means_follow_from_either_table_within_four_percent():
         other = 100.0 * np.array(published.rmse) / published.rmse_percent
         assert other == pytest.approx(np.abs(published.mean), rel=0.04)
         assert np.all(np.array(published.rmse) <= published.std)
-
-
-def keeps_the_rod_on_its_side(turn: float, moved: np.ndarray) -> bool:
-    """Whether a push after which the object moved and turned so ends with the rod's centre on the pushed side."""
-    c, s = math.cos(turn), math.sin(turn)
-    end = np.array([0.045 - 0.09 * SidePush().fraction, 0.045 + Pusher().radius - SidePush().distance]) - moved
-    x, y = np.array([[c, s], [-s, c]]) @ end
-    return abs(x) <= 0.045 and abs(y - 0.04975) < 0.002
-
-
-@pytest.mark.parametrize("material", ["plywood", "pu"])
-def test_only_dx_forward_dy_backward_and_a_positive_turn_leave_the_rod_on_the_pushed_side(material):
-    """Both pushes end in contact, so of sixteen readings of the signs and axes one alone can be right: the stored."""
-    mean = published_statistics(material).mean
-    turn, *sizes = np.abs(mean)
-    readings = [
-        (sign * turn, np.array(signs) * order)
-        for sign, *signs in product((1, -1), repeat=3)
-        for order in (sizes, sizes[::-1])
-    ]
-    fitting = [(turn, *moved) for turn, moved in readings if keeps_the_rod_on_its_side(turn, moved)]
-    assert fitting == [pytest.approx(mean)]
+        assert np.sign(published.mean).tolist() == [1.0, 1.0, -1.0]
 
 
 def test_where_the_map_mixes_the_law_of_a_long_run_is_the_stationary_law_of_the_transfer_operator():
@@ -76,16 +53,8 @@ def test_where_the_map_mixes_the_law_of_a_long_run_is_the_stationary_law_of_the_
 
 def test_between_two_stable_directions_that_noise_hardly_connects_the_start_decides():
     turn, near_zero = -0.3 * np.sin(2 * THETA), np.cos(THETA) > 0
-    for start, share in ((0.0, 1.0), (np.pi, 0.0), (None, 0.5)):
-        assert run_law(turn, SIGMA, 500, start)[near_zero].sum() == pytest.approx(
-            share, abs=0.01 if start is None else 1e-3
-        )
-
-
-def test_turning_the_map_turns_the_law():
-    turn, places = 0.1 + 0.2 * np.cos(THETA) + 0.1 * np.sin(2 * THETA), 90
-    turned = run_law(np.roll(turn, places), SIGMA, 100)
-    assert turned == pytest.approx(np.roll(run_law(turn, SIGMA, 100), places), abs=1e-12)
+    for start, share, within in ((0.0, 1.0, 1e-3), (np.pi, 0.0, 1e-3), (None, 0.5, 0.01)):
+        assert run_law(turn, SIGMA, 500, start)[near_zero].sum() == pytest.approx(share, abs=within)
 
 
 @pytest.mark.parametrize(
@@ -97,8 +66,7 @@ def test_turning_the_map_turns_the_law():
     ],
 )
 def test_what_cannot_be_is_refused(asked, words):
-    with pytest.raises(InvalidInput, match=words):
-        asked()
+    refused(asked, told=words)
 
 
 def test_between_47_nodes_the_loop_is_met_within_a_hundredth_of_a_degree_and_ten_micrometres():
@@ -111,16 +79,7 @@ def test_between_47_nodes_the_loop_is_met_within_a_hundredth_of_a_degree_and_ten
     assert found[:, 2:] == pytest.approx(runs.push_displacement, abs=1e-5)
 
 
-def test_on_an_isotropic_surface_all_pushes_are_one_push_and_the_spread_is_the_scatter():
-    given, loop = published_statistics("pu"), loop_on(SurfaceParameters(), CollectionLoop.mit())
-    found, push = predicted_statistics(node_values(loop, 9), given), loop.cycle(1.0)
-    assert found.mean == pytest.approx([push.push_turn, *push.push_displacement], abs=1e-5)
-    assert found.std == pytest.approx(given.rmse, rel=1e-4)
-    assert found.law * found.law.size == pytest.approx(np.ones(found.law.size), abs=1e-3)
-
-
 def test_the_statistics_are_those_of_a_sampled_run():
-    """The same noisy cycles drawn one after the other, from many starts."""
     given, count = replace(published_statistics("delrin"), rmse=(0.0, 0.0, 0.0)), 4000
     pushes = (1.3 + 0.05 * np.sin(ANGLES), 0.04 + 0.003 * np.cos(ANGLES), -0.06 + 0 * ANGLES)
     found = predicted_statistics(np.column_stack([0.15 + 0.1 * np.cos(ANGLES), *pushes]), given, cycles=CYCLES)
@@ -135,23 +94,19 @@ def test_the_statistics_are_those_of_a_sampled_run():
 
 
 def test_share_of_the_first_direction_counts_the_cycles_nearer_to_it():
-    """A map that returns to -150 degrees from all around keeps the run there; one to 150 degrees does not."""
     given = published_statistics("abs")
     shares = []
     for direction in given.directions:
         turn = -0.3 * np.sin(ANGLES - direction)
         shares.append(predicted_statistics(np.column_stack([turn, *np.zeros((3, NODES))]), given).first_share)
-    assert shares[0] > 0.999
-    assert shares[1] < 0.02
+    assert shares[0] > 0.999 and shares[1] < 0.02
 
 
 def test_isotropic_friction_has_no_stable_direction_and_misses_every_published_peak():
     found = published_comparison(Material("delrin", load_material("isotropic").friction))
-    assert found.stable.size == found.peaks.size == 0
-    assert np.all(np.isinf(found.misses)) and found.misses.size == 1
+    assert found.stable.size == found.peaks.size == 0 and np.all(np.isinf(found.misses)) and found.misses.size == 1
     assert "no peak within 15 deg of 80 deg" in found.sentence
-    with pytest.raises(InvalidInput, match="isotropic"):
-        published_comparison("isotropic")
+    refused(published_comparison, "isotropic", told="isotropic")
 
 
 @pytest.mark.parametrize("name", SHOWN)
@@ -169,7 +124,6 @@ def test_the_shipped_file_tells_its_own_misfit_and_meets_every_published_directi
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_real_cycles_turn_towards_each_predicted_stable_direction(name, comparisons):
-    """The series between nodes and the mechanics itself agree on where the turn changes sign, within two degrees."""
     loop, near, stable = CollectionLoop.mit(name), np.deg2rad(2.0), comparisons[name].stable
     assert stable.size == SHOWN[name]
     for angle in stable:
@@ -179,7 +133,6 @@ def test_real_cycles_turn_towards_each_predicted_stable_direction(name, comparis
 
 @pytest.mark.parametrize("name", ["delrin", "pu"])
 def test_means_of_the_2000_pushes_are_met_where_pressure_is_free(name, comparisons):
-    """Within 1.2 degrees, 1.5 and 3 mm of the published means, spreads within a factor 1.5."""
     found, published = comparisons[name].predicted, comparisons[name].published
     assert np.all(np.abs(found.mean - published.mean) < [np.deg2rad(1.2), 1.5e-3, 3e-3])
     assert np.all(np.abs(np.log(found.std / published.std)) < np.log(1.5))

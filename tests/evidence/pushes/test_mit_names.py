@@ -22,9 +22,7 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts,
         ("a=2500_v=-1_i=0.000_s=0.700_t=0.000", (2.5, math.nan, 0.0, 0.7, 0.0, math.nan)),
     ],
 )
-def test_a_name_gives_its_facts_in_si_units_whatever_its_suffix_and_an_accelerated_push_no_speed(
-    told, facts, suffix
-) -> None:
+def test_a_name_gives_its_facts_in_si_units_and_an_accelerated_push_no_speed(told, facts, suffix) -> None:
     path = f"normal/motion_surface=plywood_shape=rect1_{told}{suffix}"
     assert repr(push_facts(path)) == repr(push_facts(Path(path))) == repr(PushFacts("plywood", "rect1", *facts))
 
@@ -81,14 +79,12 @@ def test_any_facts_of_a_scan_come_back_from_its_name(surface, degrees, speed, re
     assert f"_deg={(degrees + 180) % 360}" in name
     read = scan_facts(name)
     assert read is not None and read.direction == pytest.approx(facts.direction, abs=1e-12)
-    assert repr(replace(read, direction=facts.direction)) == repr(facts)
-    assert scan_name(read) == name
+    assert repr(replace(read, direction=facts.direction)) == repr(facts) and scan_name(read) == name
 
 
 def test_every_name_of_the_measured_files_is_written_as_it_is(measured_data) -> None:
     names = [path.stem for path in (measured_data / "mit_files").iterdir() if path.suffix in (".h5", ".json")]
-    assert len(names) == 91
-    assert [push_name(push_facts(f"{name}.h5")) for name in names] == names
+    assert len(names) == 91 and [push_name(push_facts(f"{name}.h5")) for name in names] == names
 
 
 @pytest.mark.parametrize(

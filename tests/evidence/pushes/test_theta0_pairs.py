@@ -37,8 +37,7 @@ def degrees(values):
 def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path_with_their_numbers(csv) -> None:
     pairs = read_theta0_pairs(csv(STAIRCASE))
     assert (degrees(pairs.theta), degrees(pairs.theta_next)) == ([330.0, 370.0], [370.0, 375.0])
-    assert degrees(pairs.turn) == [40.0, 5.0]
-    assert degrees(pairs.path) == [350.0, 330.0, 370.0, 375.0]
+    assert degrees(pairs.turn) == [40.0, 5.0] and degrees(pairs.path) == [350.0, 330.0, 370.0, 375.0]
     assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
     assert dict(pairs.dropped) == {"jump": 1}
     copy = pickle.loads(pickle.dumps(pairs))
@@ -66,8 +65,10 @@ def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv)
     """They are what the single column of their beginnings and the last end is; one gap, and nothing is known."""
     chained = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n-5.004,12\n372,350\n"))
     alone = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
+    assert (degrees(alone.path), degrees(alone.turn)) == ([340.0, 355.0, 372.0, 350.0], [15.0, 17.0, -22.0])
     assert np.degrees(chained.path) == pytest.approx(np.degrees(alone.path), abs=0.01)
-    assert chained.cycle.tolist() == [0.0, 1.0, 2.0] and chained.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
+    for pairs in (chained, alone):
+        assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([0.0, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
     assert read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n355,12\n12.02,350\n")).path is None
 
 
@@ -98,13 +99,11 @@ def test_an_object_moved_by_hand_is_told_and_the_longest_run_is_between_two_move
     with pytest.warns(DoubtfulInput, match="2 of 60 pairs do not begin where the one before ended"):
         pairs = read_theta0_pairs(csv(as_text(made_chain(0.2, moved=(12, 47)))))
     assert pairs.path.size == 61 and pairs.theta.size == 60
-    assert pairs.unbroken.path_cycle.tolist() == list(range(12, 47))
-    assert pairs.unbroken.theta.size == 60
+    assert pairs.unbroken.path_cycle.tolist() == list(range(12, 47)) and pairs.unbroken.theta.size == 60
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_neither_shuffled_pairs_nor_a_sweep_over_theta0_are_taken_for_a_chain(csv, seed) -> None:
-    """A sweep begins close to where the pair before ended, but no closer than turns vary."""
     random = np.random.default_rng(seed)
     shuffled = random.permutation(made_chain(0.0))
     theta = np.sort(random.uniform(0.0, 360.0, 60))
@@ -112,13 +111,6 @@ def test_neither_shuffled_pairs_nor_a_sweep_over_theta0_are_taken_for_a_chain(cs
     even = sweep - theta[:, None] + 6.0 * np.arange(60)[:, None]
     for made in (shuffled, sweep, even):
         assert read_theta0_pairs(csv(as_text(made))).path is None
-
-
-def test_single_column_is_unwrapped_in_order(csv) -> None:
-    pairs = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
-    assert degrees(pairs.path) == [340.0, 355.0, 372.0, 350.0]
-    assert (degrees(pairs.theta), degrees(pairs.turn)) == ([340.0, 355.0, 372.0], [15.0, 17.0, -22.0])
-    assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([0.0, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
 
 
 def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
@@ -157,8 +149,7 @@ def test_bad_file_is_refused_by_name_and_line(csv, text, said) -> None:
     path = csv(text)
     with pytest.raises(DataFileError) as refusal:
         read_theta0_pairs(path)
-    assert str(path) in str(refusal.value)
-    assert said in str(refusal.value)
+    assert str(path) in str(refusal.value) and said in str(refusal.value)
 
 
 def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
@@ -215,8 +206,7 @@ def test_bin_medians_follow_the_map_and_shrug_off_outliers() -> None:
 def test_bins_with_few_pairs_are_left_out() -> None:
     theta = np.deg2rad([1.0, 2.0, 3.0, 100.0, 101.0])
     bins = turn_bins(Theta0Pairs(theta, theta + 0.1), bins=36)
-    assert np.rad2deg(bins.centre).round(9).tolist() == [5.0]
-    assert bins.count.tolist() == [3]
+    assert np.rad2deg(bins.centre).round(9).tolist() == [5.0] and bins.count.tolist() == [3]
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=50), st.integers(1, 100))

@@ -61,11 +61,9 @@ def replayed(folder):
 
 
 def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) -> None:
-    assert list(replayed.table.columns) == list(REPLAY_COLUMNS)
-    assert len(replayed.table) == len(replayed.replays) == 5
+    assert list(replayed.table.columns) == list(REPLAY_COLUMNS) and len(replayed.table) == len(replayed.replays) == 5
     reasons = {file.path.name: file.reason for file in replayed.not_replayed}
-    assert len(reasons) == len(replayed.not_replayed) == 6
-    assert len(reasons) + 5 == len(list(folder.iterdir()))
+    assert len(reasons) == len(replayed.not_replayed) == 6 and len(reasons) + 5 == len(list(folder.iterdir()))
     for name, reason in {
         push_name("star"): "object 'star' has no outline",
         push_name("rect2"): "mm inside the object, more than the 5 mm",
@@ -102,7 +100,6 @@ def test_any_slider_may_be_given_by_its_name(folder) -> None:
 
 
 def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:
-    """Pushes made under a pressure come back with it; what stands beside is the replay on isotropic friction."""
     slider = Slider.mit("rect1")
     pressed = replace(model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8))
     write_push(tmp_path / push_name(), pressed, aside=0.02)
@@ -115,7 +112,6 @@ def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_pa
 
 
 def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> None:
-    """Ends made by the model come back, with the robot's places moved by a known shift; astray and others stay out."""
     model, rows = model_of("rect1", 1e-7), []
     for number, aside in enumerate((-0.02, 0.0, 0.01)):
         tip, heading = np.array(START.to_world(aside, 0.06)), START.theta - math.pi / 2
@@ -157,8 +153,7 @@ def test_each_of_the_91_files_is_replayed_as_one_straight_stroke(measured_replay
     counts = dict(zip(zip(groups["surface"], groups["object"], strict=True), groups["count"], strict=True))
     assert counts == {**COUNTS, ("plywood", "hex"): 1}
     table = measured_replays.table
-    assert (table["strokes"] == 1).all() and table["touched"].all()
-    assert table["straightness"].max() < 0.16e-3
+    assert (table["strokes"] == 1).all() and table["touched"].all() and table["straightness"].max() < 0.16e-3
     # Outlines fit: rod and object start within 1.6 mm of contact, and overlap by no more than a third of one.
     assert table["start_gap"].abs().max() < 1.6e-3 and table["shift"].max() < 0.35e-3
     assert (table["shift"] > 0.0).sum() == (table["start_gap"] < 0.0).sum() > 10
@@ -183,10 +178,7 @@ def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_
 
 @pytest.mark.parametrize("surface", ["plywood", "abs"])
 @pytest.mark.parametrize("plate", ["rect2", "tri3"])
-def test_an_identified_floor_explains_single_pushes_better_than_isotropic_friction(
-    measured_data, surface, plate
-) -> None:
-    """Pressure of the plate and shift of its frame, as the material has them, are worth a third of the error."""
+def test_an_identified_floor_explains_pushes_better_than_isotropic_friction(measured_data, surface, plate) -> None:
     floor = cm.load_material(f"{surface}-floor")
     name = "mit_push_endpoints_v10_more.csv" if plate == "tri3" else "mit_push_endpoints_v10.csv"
     found = cm.replay_pushes(
@@ -198,6 +190,5 @@ def test_an_identified_floor_explains_single_pushes_better_than_isotropic_fricti
         select={"surface": surface, "object": plate, "side": 1.0},
     )
     (row,) = found.by("object").to_dict("records")
-    assert row["count"] > 60
-    assert row["mean_error"] < 0.8 * row["isotropic_mean_error"]
+    assert row["count"] > 60 and row["mean_error"] < 0.8 * row["isotropic_mean_error"]
     assert row["mean_turn_error"] < 0.8 * row["isotropic_mean_turn_error"]

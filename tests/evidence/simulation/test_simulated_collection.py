@@ -25,7 +25,6 @@ CYCLES = 8
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Every file below a folder, hidden ones too, by its path."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
@@ -44,28 +43,6 @@ def undisturbed(tmp_path_factory) -> dict[str, bytes]:
 
 def simulate(folder, **changes):
     return simulate_collection(LOOP, folder, **{"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes)
-
-
-def test_the_table_read_back_is_the_path_of_the_cycle_map(tmp_path) -> None:
-    """Cycle after cycle by the loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
-    made = simulate_collection(LOOP, tmp_path / "made", 6, start=2.0, noise=SILENT)
-    pushes = load_pushes(made.folder)
-    table = pushes.table
-    assert pushes.unreadable == () and len(table) == 6 == made.cycles
-    assert table["repetition"].tolist() == list(range(6))
-    theta = 2.0
-    for row in table.itertuples():
-        cycle = LOOP.cycle(theta)
-        assert math.remainder(row.theta0 - theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
-        assert (row.dx, row.dy) == pytest.approx(cycle.push_displacement, abs=1e-6)
-        assert row.dtheta == pytest.approx(cycle.push_turn, abs=1e-5)
-        theta = cycle.theta_next
-        if row.Index < 5:
-            turn = cycle.push_turn + cycle.drag_turn
-            assert row.theta_next - row.theta0 == pytest.approx(turn, abs=1e-5)
-    assert math.isnan(table["theta_next"].iloc[-1])
-    assert made.theta_last == pytest.approx(truth(made.folder)[-2], abs=0.0)
-    assert truth(made.folder)[-1] == pytest.approx(theta, abs=2e-5)
 
 
 def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
@@ -87,8 +64,7 @@ def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
     made = simulate_collection(LOOP, tmp_path, cycles, noise=RecordingNoise(turn=sigma), seed=1)
     theta = truth(made.folder)
     error = (theta[1:] - LOOP.next_theta(theta[:-1])) / sigma
-    assert error.size == cycles
-    assert abs(error.mean()) < 3.0 / math.sqrt(cycles)
+    assert error.size == cycles and abs(error.mean()) < 3.0 / math.sqrt(cycles)
     assert error.std() == pytest.approx(1.0, abs=3.0 / math.sqrt(2.0 * cycles))
     assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 3.0 / math.sqrt(cycles)
     recorded = load_pushes(tmp_path).table["theta0"].to_numpy()
@@ -108,22 +84,13 @@ def test_scatter_may_depend_on_the_orientation_and_on_the_cycle_before() -> None
 
 
 @pytest.mark.slow
-def test_noise_of_the_instruments_does_not_touch_the_path(tmp_path) -> None:
-    """One seed, one path: with and without errors of measurement; another seed, another path."""
-    folders = {name: tmp_path / name for name in ("noisy", "clean", "other")}
-    simulate(folders["noisy"])
-    simulate(folders["clean"], noise=RecordingNoise())
-    simulate(folders["other"], seed=4)
-    paths = {name: truth(folder) for name, folder in folders.items()}
-    assert np.array_equal(paths["noisy"], paths["clean"])
-    assert np.abs(paths["noisy"] - paths["other"])[1:].min() > 1e-3
-    tables = {name: load_pushes(folder).table for name, folder in folders.items()}
-    error = tables["noisy"]["theta0"] - tables["clean"]["theta0"]
-    assert 0.0 < np.abs(error).max() < 5e-3
+def test_noise_of_the_instruments_does_not_touch_the_path_and_another_seed_does(tmp_path) -> None:
+    asked = {"noisy": {}, "clean": {"noise": RecordingNoise()}, "other": {"seed": 4}}
+    noisy, clean, other = (truth(simulate(tmp_path / name, **changes).folder) for name, changes in asked.items())
+    assert np.array_equal(noisy, clean) and np.abs(noisy - other)[1:].min() > 1e-3
 
 
 def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
-    """First and last push are those of the two surfaces, those between of neither."""
     made = simulate_collection(LOOP, tmp_path, 5, noise=SILENT, wear_to=WORN)
     table, theta = load_pushes(made.folder).table, truth(made.folder)
     worn = replace(LOOP, material=WORN)
@@ -136,22 +103,15 @@ def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
     assert CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
 
 
-class BrokenOffError(Exception):
-    """What stops a run in these tests."""
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("calls", range(1, 2 * CYCLES, 3))
-def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
-    tmp_path, monkeypatch, undisturbed, calls
-) -> None:
-    """Stopped after a push's file or after the note of its successor: all the same."""
+def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(tmp_path, monkeypatch, undisturbed, calls) -> None:
     left = [calls]
 
     def stopping(real):
         def call(*arguments):
             if left[0] == 0:
-                raise BrokenOffError
+                raise KeyboardInterrupt
             left[0] -= 1
             return real(*arguments)
 
@@ -160,7 +120,7 @@ def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
     with monkeypatch.context() as patch:
         patch.setattr(module, "write_push_file", stopping(module.write_push_file))
         patch.setattr(module.CollectionFolder, "append_truth", stopping(module.CollectionFolder.append_truth))
-        with pytest.raises(BrokenOffError):
+        with pytest.raises(KeyboardInterrupt):
             simulate(tmp_path)
     made = simulate(tmp_path)
     assert (made.resumed, made.written) == (calls // 2, CYCLES - calls // 2)
@@ -174,14 +134,12 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
     # As a run leaves it that was killed before its first file was whole.
     (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
     told: list[float] = []
-    assert simulate(tmp_path, progress=told.append).resumed == 0
-    assert contents(tmp_path) == undisturbed
+    assert simulate(tmp_path, progress=told.append).resumed == 0 and contents(tmp_path) == undisturbed
     assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
     notes = tmp_path / TRUTH_FILE
-    for damage, resumed in (("", 0), (notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
+    for damage, resumed in ((notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
         notes.write_text(damage)
-        assert simulate(tmp_path).resumed == resumed
-        assert contents(tmp_path) == undisturbed
+        assert simulate(tmp_path).resumed == resumed and contents(tmp_path) == undisturbed
 
 
 @pytest.mark.parametrize(
@@ -246,10 +204,6 @@ def test_a_push_that_the_mechanics_cannot_do_is_told_with_its_cycle(tmp_path, mo
     refused(simulate, tmp_path, start=1.0, told=told, kind=UnsupportedContact)
 
 
-def emptied(path: Path) -> None:
-    path.write_bytes(b"")
-
-
 def altered(path: Path) -> None:
     """One digit of the path, or one byte of a record, is another."""
     content = bytearray(path.read_bytes())
@@ -259,10 +213,9 @@ def altered(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [emptied, altered, Path.unlink])
+@pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b""), altered, Path.unlink])
 @pytest.mark.parametrize("pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"])
 def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, damage) -> None:
-    """Files of no length, altered numbers and missing files: nothing of them reaches what comes behind."""
     made = simulate(tmp_path / "made", cycles=5, scans=True)
     before = contents(made.folder)
     damage(next(made.folder.rglob(pattern)))
@@ -275,7 +228,6 @@ def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, dama
 
 
 def test_a_second_run_in_the_same_folder_is_refused(tmp_path) -> None:
-    """The first holds the folder while it works, and leaves nothing there that says so."""
     folder, tried = tmp_path / "made", []
 
     def meanwhile(fraction: float) -> None:
@@ -283,8 +235,7 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path) -> None:
         tried.append(fraction)
 
     simulate(folder, progress=meanwhile)
-    assert len(tried) == CYCLES
-    assert simulate(folder).resumed == CYCLES
+    assert len(tried) == CYCLES and simulate(folder).resumed == CYCLES
 
 
 BRIEF = CollectionLoop.mit(accuracy=1e-6, push=SidePush(distance=0.01))
@@ -296,21 +247,24 @@ LOOPS = (
 TURNS = (0.0, 0.5, -1.0)
 
 
-def test_each_cycle_is_that_of_its_loop_with_the_grippers_turn_after_it(tmp_path) -> None:
-    made = simulate_collection(
-        BRIEF, tmp_path / "made", 3, noise=SILENT, suffix=".json", cycle_loops=LOOPS, gripper_turns=TURNS
-    )
-    theta = [0.0]
-    for loop, turn in zip(LOOPS, TURNS, strict=True):
-        theta.append(loop.cycle(theta[-1]).theta_next + turn)
-    told = [float(line.split()[1]) for line in (tmp_path / "made" / "true_theta0.txt").read_text().splitlines()]
-    # The recorded run takes shorter steps than the cycles here.
-    assert told == pytest.approx(theta, abs=1e-5)
-    assert made.theta_last == told[2]
-    table = load_pushes(made.folder).table.sort_values("repetition")
-    assert table["side"].tolist() == [0.0, 2.0, 1.0]
-    turns = [loop.cycle(start).push_turn for loop, start in zip(LOOPS, theta, strict=False)]
-    assert table["dtheta"].to_numpy() == pytest.approx(turns, abs=1e-4)
+@pytest.mark.parametrize("given", [{}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}])
+def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(tmp_path, given) -> None:
+    """By each loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
+    made = simulate_collection(BRIEF, tmp_path / "made", 3, start=2.0, noise=SILENT, **given)
+    pushes, theta = load_pushes(made.folder), [2.0]
+    rows = list(pushes.table.sort_values("repetition").itertuples())
+    assert pushes.unreadable == () and [row.repetition for row in rows] == [0, 1, 2]
+    loops, turns = given.get("cycle_loops", (BRIEF,) * 3), given.get("gripper_turns", (0.0,) * 3)
+    for row, loop, turn in zip(rows, loops, turns, strict=True):
+        cycle = loop.cycle(theta[-1])
+        assert row.side == loop.push.side
+        assert math.remainder(row.theta0 - theta[-1], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
+        assert (row.dx, row.dy, row.dtheta) == pytest.approx((*cycle.push_displacement, cycle.push_turn), abs=1e-5)
+        theta.append(cycle.theta_next + turn)
+        ahead = theta[-1] - theta[-2] if not given and row.repetition < 2 else math.nan
+        assert row.theta_next - row.theta0 == pytest.approx(ahead, abs=1e-5, nan_ok=True)
+    assert truth(made.folder) == pytest.approx(theta, abs=2e-5)
+    assert made.theta_last == truth(made.folder)[-2]
 
 
 def test_the_surface_wears_under_changing_pushes_too(tmp_path) -> None:

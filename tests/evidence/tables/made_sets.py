@@ -42,22 +42,13 @@ def worn_pairs(count: int = 900, sigma: float = 0.02, seed: int = 0) -> Theta0Pa
     return Theta0Pairs(angles[:-1], angles[1:], angles, cycle=number[:-1], path_cycle=number)
 
 
-def write_collection(file: Path, path, turns, seed: int = 0, surface: str = "plywood") -> Path:
+def write_collection(file: Path, path, turns) -> Path:
     """Pushes of rect1 in the world: orientation ``path`` (rad, any turn), turn of each push ``turns``, small moves."""
-    rng = np.random.default_rng(seed)
-    rows = [HEADER]
+    rng, rows = np.random.default_rng(0), [HEADER]
     for n, (theta, turn) in enumerate(zip(path, turns, strict=True)):
         dx, dy = np.array([0.04, -0.08]) + 0.001 * rng.standard_normal(2)
         x, y = np.cos(theta) * dx - np.sin(theta) * dy, np.sin(theta) * dx + np.cos(theta) * dy
         start, end = np.mod(theta, TURN), np.mod(theta + turn, TURN)
-        rows.append(f"{surface},rect1,20,0,0.7,0,{n},0.35,-0.03,{start:.9f},{0.35 + x:.9f},{-0.03 + y:.9f},{end:.9f}")
+        rows.append(f"plywood,rect1,20,0,0.7,0,{n},0.35,-0.03,{start:.9f},{0.35 + x:.9f},{-0.03 + y:.9f},{end:.9f}")
     file.write_text("\n".join(rows) + "\n")
     return file
-
-
-def worn_collection(file: Path, count: int = 400) -> Path:
-    """A collection whose orientations are those of ``worn_pairs``."""
-    pairs = worn_pairs(count)
-    assert pairs.path is not None
-    noise = 0.03 * np.random.default_rng(9).standard_normal(count + 1)
-    return write_collection(file, pairs.path, true_turn(pairs.path) + noise)

@@ -12,6 +12,8 @@ from cyclemap.evidence.laws.fit_map import fit_map
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, is_covered, read_theta0_pairs, turn_bins
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, full_turns, measured_cycle_map, turn_pace
 
+pytestmark = pytest.mark.slow
+
 
 def rotation(turns_a_push: float, count: int = 200):
     path = 0.3 + TURN * turns_a_push * np.arange(count + 1.0)
@@ -24,30 +26,18 @@ def test_a_rotation_takes_its_twenty_pushes_a_turn_measured_and_predicted(pace) 
     found = turn_pace(fitted, path, np.arange(201.0), level=1.0, runs=3)
     assert found.measured.tolist() == [20.0] * 9
     assert found.predicted.tolist() == found.lower.tolist() == found.upper.tolist() == [20.0] * 9
-    assert found.inside == 1.0
-    assert np.all(np.diff(found.start) == 20.0)
-
-
-def test_the_mirror_image_of_a_path_turns_at_the_same_places() -> None:
-    path = worn_pairs(500).path
-    places = full_turns(path, level=0.7)
-    assert places.size >= 4
-    assert np.array_equal(full_turns(-path, level=-0.7), places)
-    assert np.array_equal(full_turns(path + 3 * TURN, level=0.7), places)
+    assert found.inside == 1.0 and np.all(np.diff(found.start) == 20.0)
 
 
 def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_none() -> None:
     still, fitted = rotation(0.001, 60)
     found = turn_pace(fitted, still, np.arange(61.0), level=2.0, runs=3)
-    assert found.measured.size == found.predicted.size == 0
-    assert np.isnan(found.inside)
+    assert found.measured.size == found.predicted.size == 0 and np.isnan(found.inside)
     path = np.concatenate([np.linspace(0.0, 1.0, 20), 1.0 + 0.1 * np.cos(np.arange(50.0)), np.linspace(1.0, 9.0, 80)])
     assert full_turns(path, level=1.0).size == 2
 
 
-@pytest.mark.slow
 def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should() -> None:
-    """Two worn paths, of more than ten turns each: their 95 % ranges cover about 95 %."""
     pairs = worn_pairs(900)
     fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, harmonics=1, wear_degree=1)
     paths = fitted.paths(np.zeros(2), 900, seed=7)
@@ -56,8 +46,6 @@ def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should
     assert min(counts) >= 10
     assert np.average([found.inside for found in inside], weights=counts) == pytest.approx(0.95, abs=0.04)
 
-
-pytestmark = pytest.mark.slow
 
 GRID = np.linspace(0.0, TURN, 90)
 
@@ -75,8 +63,7 @@ def test_the_made_map_is_found_with_its_wear_its_scatter_and_its_bottleneck(made
         assert not state.fixed_points
         (passage,) = state.passages
         assert passage.theta == pytest.approx(np.pi, abs=0.05)
-        assert passage.lower < worn_turn(np.pi, state.cycle) < passage.upper
-        assert passage.upper - passage.lower < 0.02
+        assert passage.lower < worn_turn(np.pi, state.cycle) < passage.upper and passage.upper - passage.lower < 0.02
         assert state.slowest.theta == pytest.approx(np.pi, abs=0.05)
     assert (made.early.cycle, made.late.cycle) == (pytest.approx(112.375), pytest.approx(786.625))
 
@@ -92,20 +79,15 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
     assert abs(np.rad2deg(forecast.histogram.edges[peak]) - 180.0) < 20.0
     assert forecast.run.shape == forecast.measured.shape == forecast.lower.shape == (901,)
     held = (forecast.lower <= forecast.measured) & (forecast.measured <= forecast.upper)
-    assert np.mean(held) > 0.5
-    assert forecast.pace.inside > 0.75
+    assert np.mean(held) > 0.5 and forecast.pace.inside > 0.75
 
 
-@pytest.mark.slow
 def test_without_wear_early_and_late_are_one_map() -> None:
     shares: list[float] = []
     found = measured_cycle_map(worn_pairs(400), wear=False, runs=5, progress=shares.append)
-    assert shares == sorted(shares) and shares[-1] == 1.0
-    assert not found.wears
-    assert found.fitted.wear.degree == 0
+    assert shares == sorted(shares) and shares[-1] == 1.0 and not found.wears and found.fitted.wear.degree == 0
     assert np.array_equal(found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID))
-    assert found.early.slowest == found.late.slowest
-    assert found.forecast is not None
+    assert found.early.slowest == found.late.slowest and found.forecast is not None
 
 
 def test_pairs_in_no_order_have_a_map_and_no_forecast() -> None:
@@ -116,9 +98,7 @@ def test_pairs_in_no_order_have_a_map_and_no_forecast() -> None:
     assert found.early.slowest.theta == pytest.approx(np.pi, abs=0.1)
 
 
-@pytest.mark.slow
 def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
-    """A jump by a third of a turn in the middle: its cycle is no pair, and its height is accounted for."""
     pairs = worn_pairs(400)
     path, kept = pairs.path.copy(), np.arange(400) != 300
     path[301:] += TURN / 3
@@ -129,13 +109,11 @@ def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
     assert found.forecast.left_out_turns == pytest.approx(1 / 3 + own, abs=1e-9)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("count", [25, 60, 99])
 def test_no_wear_is_told_of_short_runs(count) -> None:
     """The map of these cycles wears by 0.6° in 100 cycles: fewer say nothing of it."""
     found = measured_cycle_map(worn_pairs(count), runs=2)
-    assert not found.wears
-    assert found.fitted.wear.degree == 0
+    assert not found.wears and found.fitted.wear.degree == 0
 
 
 def steady_pairs(low: float, high: float, seed: int, least: float = 0.02, count: int = 120) -> Theta0Pairs:
@@ -146,7 +124,6 @@ def steady_pairs(low: float, high: float, seed: int, least: float = 0.02, count:
     return Theta0Pairs(theta, theta + turn)
 
 
-@pytest.mark.slow
 def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
     """90° of the circle: every place told lies there, whatever the fitted series does elsewhere."""
     low, high = np.radians([230.0, 320.0])
@@ -159,10 +136,8 @@ def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
         assert (found.late.fixed_points, found.late.undecided) == ((), ())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("harmonics", "reach"), [(None, 0.8), (1, 0.8), (None, 1.3)])
 def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) -> None:
-    """95 % of the time, whether the order was given or chosen."""
     held = []
     for seed in range(40):
         pairs = steady_pairs(np.pi - reach, np.pi + reach, seed)
@@ -171,7 +146,6 @@ def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) ->
     assert np.mean(held) >= 0.9
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("least", "kinds"), [(-0.05, "fixed"), (0.0, "undecided"), (0.05, "passage")])
 def test_fixed_points_bottlenecks_and_what_cannot_be_told_apart(least, kinds) -> None:
     """Scatter of 0.02 rad and 120 pairs tell a least turn of 0.05 rad, either way, and not one of 0."""
@@ -196,15 +170,11 @@ def test_too_few_pairs_are_refused_by_number() -> None:
     refused(measured_cycle_map, pairs, told="12 pairs are too few for a cycle map; give at least 20")
 
 
-# -- the measured plywood staircase ------------------------------------------------------------------------
-
-
 @cache
 def plywood(folder: Path) -> MeasuredCycleMap:
     return measured_cycle_map(read_theta0_pairs(folder / "plywood_rect1_theta0_2000.csv"), runs=100)
 
 
-@pytest.mark.slow
 def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
     """Residuals in units of the fitted scatter have size 1, and their medians over 5° bins stay within one of it."""
     found = plywood(measured_data)
@@ -221,7 +191,6 @@ def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
     assert np.rad2deg(np.sqrt(np.mean(bins.median**2))) < 1.0
 
 
-@pytest.mark.slow
 def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measured_data) -> None:
     """17.48 turns of pushes 500 to 2000, 0.23 of them by two jumps that no map explains; without wear 20 and more."""
     forecast = plywood(measured_data).forecast
@@ -243,17 +212,14 @@ def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measur
     assert forecast.total_variation < 0.1
 
 
-@pytest.mark.slow
 def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> None:
     found = plywood(measured_data)
     for state in (found.early, found.late):
-        assert not state.fixed_points
-        assert np.rad2deg(state.slowest.theta) == pytest.approx(95.5, abs=4.0)
+        assert not state.fixed_points and np.rad2deg(state.slowest.theta) == pytest.approx(95.5, abs=4.0)
     assert found.late.slowest.turn > 5.0 * found.early.slowest.turn > 0.0
     assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
 
 
-@pytest.mark.slow
 def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:
     """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5 turns, not 16.4."""
     pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
