@@ -37,13 +37,6 @@ def test_every_name_of_a_room_is_the_one_that_its_module_defines(room: str) -> N
     assert set(package.__all__) <= set(dir(package))
 
 
-def test_a_name_is_looked_up_once() -> None:
-    """After its first use a name is an ordinary attribute of the room."""
-    import cyclemap.maps
-
-    assert cyclemap.maps.CircleMap is vars(cyclemap.maps)["CircleMap"]
-
-
 def test_a_name_loads_its_own_module_and_not_the_others() -> None:
     """A circle map needs neither the operators of the same room nor SciPy."""
     assert loaded("import cyclemap", ("casadi", "scipy", "matplotlib")) == []

@@ -12,7 +12,7 @@ from cyclemap.maps import CircleMap
 
 KEYS = ["prediction", "data", "pushes", "ends_off", "cycle", "orientations", "directions", "staircase"]
 KEYS += ["verdicts", "uncertified"]
-POSES = "rep,surface,shape,i,s,t,push_mm,x0,y0,theta0,x1,y1,theta1\n"
+POSES = "rep,surface,shape,i,s,t,x0,y0,theta0,x1,y1,theta1\n"
 COMPARE = ["compare", "plywood", "--runs", "19", "--data"]
 
 
@@ -33,7 +33,7 @@ def poses() -> str:
         push = loop.model.push(loop.start_pose(float(theta)), loop.push)
         (dx, dy), c, s = push.displacement, np.cos(theta), np.sin(theta)
         end = f"{c * dx - s * dy},{s * dx + c * dy},{theta + push.turn}"
-        lines.append(f"{number},plywood,rect1,0,0.7,0,150,0,0,{theta},{end}\n")
+        lines.append(f"{number},plywood,rect1,0,0.7,0,0,0,{theta},{end}\n")
     return "".join(lines)
 
 
@@ -57,27 +57,9 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, as
     assert_written(here / "pictures", "compare_plywood", text)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["plywod"], "plywood"),
-        (["plywood", "--set", "noise_deg=0"], "noise_deg"),
-        (["plywood", "--runs", "3"], "runs"),
-        (["plywood", "--first", "1000"], "first is 1000"),
-        (["plywood", "--first", "-1"], "first"),
-        (["plywood", "--select", "surface=delrin"], "orientations alone and tell no surface"),
-        ([], "material"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_2(here, refused, arguments, told) -> None:
-    refused(["compare", *arguments, "--data", "measured.csv"], told)
-
-
 @pytest.mark.slow
-def test_what_the_data_do_not_hold_is_refused_and_a_length_can_be_said(here, refused, printed) -> None:
+def test_a_length_that_the_data_do_not_tell_is_asked_for(here, refused, printed) -> None:
     (here / "poses.csv").write_text(poses())
-    refused([*COMPARE, "poses.csv", "--select", "surface=delrin"], "no such surface: delrin; the data have plywood")
-    (here / "poses.csv").write_text(poses().replace("0.7,0,150,", "0.7,0,,"))
     refused([*COMPARE, "poses.csv"], "do not tell how far the rod moved")
     assert run([*COMPARE, "poses.csv", "--set", "push_mm=150", "--json", "-"]) == 0
     (pushes,) = printed()[0]["pushes"]

@@ -9,7 +9,6 @@ from cyclemap.cli.main import run
 from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop
 from cyclemap.views.experiment_page import (
     experiment_headline,
-    experiment_page,
     isotropic_sentence,
     method_line,
     spread_sentence,
@@ -100,15 +99,6 @@ def test_paths_and_turns_are_told_and_one_of_them_in_the_singular() -> None:
     assert method_line(lone) == "quasi-static cycles; 1 cycle: 1 batch of 1"
     assert "paths" not in spread_sentence(lone) + isotropic_sentence(lone)
     assert isotropic_sentence(lone).endswith("the cycle turns the object by 9.67°.")
-
-
-def test_the_page_has_both_frames_and_the_course_of_both_laws() -> None:
-    page = experiment_page(experiment([61.4, 61.4]))
-    panels = ("robot's frame", "object's frame", "θ0 over the cycles")
-    titles = [f"{law}: {panel}" for law in ("Anisotropic", "Isotropic") for panel in panels]
-    assert [axes.get_title(loc="left") for axes in page.axes] == titles
-    # 40 thin paths, and of each of 2 batches the last one thick with its start marked on it.
-    assert [len(axes.lines) for axes in page.axes] == [42, 42, 2] * 2
 
 
 @pytest.mark.slow

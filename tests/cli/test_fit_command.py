@@ -111,21 +111,3 @@ def test_what_is_too_small_or_unreadable_is_told_and_nothing_is_drawn(here, caps
     (told,) = capsys.readouterr().err.splitlines()
     assert "no push could be read: bad/00.json" in told
     assert told.count(".json:") == 10 and "and 3 more" in told
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["nowhere"], "nowhere: there is nothing there"),
-        (["pushes.csv", "--select", "surface"], "not of the form key=value"),
-        (["pushes.csv", "--select", "surfac=abs"], "did you mean 'surface'"),
-        (["pushes.csv", "--select", "surface=abs"], "no such surface: abs; the data have plywood"),
-        (["pushes.csv", "--select", "side=north"], "give a finite number"),
-        (["pushes.csv", "--harmonics", "-1"], "harmonics"),
-        (["pushes.csv", "--format", "gif"], "gif"),
-        ([], "DATA"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_2(here, refused, arguments, told) -> None:
-    collection(here / "pushes.csv", count=5)
-    refused(["fit", *arguments], told)

@@ -31,11 +31,6 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(
     assert_written(here / "pictures", "staircase_plywood", text)
 
 
-def test_pairs_without_an_order_are_refused(here, refused) -> None:
-    (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
-    refused(["staircase", "plywood", "--data", "pairs.csv"], "order")
-
-
 @pytest.mark.slow
 def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(
     here, printed, assert_written

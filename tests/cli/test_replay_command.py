@@ -65,15 +65,5 @@ def test_the_rods_friction_changes_the_replay(data, here, report_of) -> None:
     assert sticking < 0.01 and sliding > 0.5
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "told"),
-    [
-        (["isotropic"], 2, "--data"),
-        (["isotropc", "--data", "."], 2, "isotropc"),
-        (["isotropic", "--data", "nowhere"], 2, "nowhere"),
-        (["isotropic", "--data", "{data}/cut.json"], 1, "no push could be replayed"),
-        (["isotropic", "--data", "{data}", "--pusher-friction", "-1"], 2, "pusher-friction"),
-    ],
-)
-def test_bad_use_is_one_line_and_no_file(data, refused, arguments, code, told) -> None:
-    refused(["replay", *(part.format(data=data) for part in arguments)], told, code)
+def test_data_without_a_push_are_a_failure(data, refused) -> None:
+    refused(["replay", "isotropic", "--data", str(data / "cut.json")], "no push could be replayed", 1)

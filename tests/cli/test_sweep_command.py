@@ -4,7 +4,6 @@ import csv
 import json
 from typing import ClassVar
 
-import click
 import numpy as np
 import pytest
 
@@ -131,26 +130,6 @@ def test_a_real_sweep_of_noise_and_netcdf(here, capsys) -> None:
     assert results[0]["spectral_gap"] == pytest.approx(1.0 - np.exp(-0.5 * np.radians(20.0) ** 2), abs=1e-4)
     with xarray.open_dataset(here / "out" / "sweep_isotropic.nc", engine="h5netcdf") as back:
         assert back["rotation"].values.tolist() == [point["rotation"] for point in results]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["plywood"], "over"),
-        (["plywood", *RING, "--workers", "0"], "x>=1"),
-        (["plywood", "--over", "mu_a=0.2:0.3"], "mu_a is a range without a count"),
-        (["plywood", *RING, "--export", "xls"], "unknown format to export 'xls'"),
-        (["plywood", *RING, "--draw", "tv_from_uniform"], "unknown quantity to draw"),
-        (["plywood", *RING, "--tolerance-deg", "-1"], "tolerance must be positive"),
-        (["plywood", *RING, "--rotation-tolerance", "-1"], "rotation_tolerance must not be negative"),
-        ([*RING], "give a material"),
-        (["plywood", "--over", "mu_a=0.2:0.3", "--sample", "4", "--over", "mu_a=1:2"], "mu_a is swept twice"),
-    ],
-)
-def test_bad_use_is_refused_by_name_before_anything_is_written(here, arguments, message) -> None:
-    with pytest.raises((InvalidInput, click.UsageError), match=message):
-        sweep(*arguments)
-    assert not (here / "out").exists()
 
 
 def test_what_is_swept_overrules_the_protocol_file_which_may_name_no_strategy(here, capsys, fake) -> None:

@@ -9,7 +9,7 @@ from figure_cases import SCANS, assert_drawn, recorded_folder, small, words_of
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures import limit_ellipse_and_patch
 from cyclemap.figures.catalogue import NO_DATA
-from cyclemap.figures.limit_ellipse_and_patch import GRID, SKETCHED, SLIDING, lean_of, limit_curve, patch_forces
+from cyclemap.figures.limit_ellipse_and_patch import GRID, SKETCHED, SLIDING, lean_of, limit_curve
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 
 NAME = "limit-ellipse-and-patch"
@@ -48,12 +48,6 @@ def test_the_sum_over_points_is_the_gradient_of_the_dissipation(result) -> None:
     patch, loop = result.patch, CollectionLoop.mit("plywood")
     gradient = LimitSurface(patch.footprint, result.table).wrench(patch.twist, patch.angle)
     assert np.allclose(patch.wrench, -loop.model.weight * gradient, atol=1e-10)
-
-
-def test_isotropic_points_are_pulled_straight_back() -> None:
-    patch = patch_forces(CollectionLoop.mit("isotropic"))
-    along = np.sum(patch.force * patch.velocity, axis=1)
-    assert np.allclose(along, -np.hypot(*patch.force.T) * np.hypot(*patch.velocity.T), rtol=1e-12)
 
 
 @pytest.mark.slow

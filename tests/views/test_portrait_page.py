@@ -12,22 +12,12 @@ from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
-from cyclemap.maps import Estimate, fixed_points
+from cyclemap.maps import Estimate
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences, style
 from cyclemap.views.style import render
 
 CASES = [("locked", False), ("locked", True), ("rotating", True), ("jumping", False)]
-
-
-@pytest.mark.slow
-def test_densities_are_per_degree(drawn) -> None:
-    page = drawn("rotating", True)[1]
-    (axes,) = [axes for axes in page.axes if axes.get_title(loc="left") == "Directions recorded"]
-    line = next(line for line in axes.lines if line.get_label() == "predicted")
-    assert np.trapezoid(line.get_ydata(), line.get_xdata()) == pytest.approx(1.0, abs=1e-5)
-    measured = axes.patches[0].get_data()
-    assert np.sum(measured.values * np.diff(measured.edges)) == pytest.approx(1.0)
 
 
 @pytest.mark.slow
@@ -90,18 +80,6 @@ def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
     assert sentences.headline(brief) == f"plywood locks into {both(18.3)}"
     unknown = replace(found, prediction=replace(found.prediction, zones=()))
     assert sentences.headline(unknown) == f"plywood rests at {both(18.3)}"
-
-
-@pytest.mark.slow
-def test_near_the_saddle_node_the_ring_at_9_8_mm_rests_and_does_not_lock() -> None:
-    """The fixed points, 160.9° among them, are still there, and noise carries θ0 off in 45 cycles."""
-    base = CollectionLoop.mit("plywood")
-    loop = CollectionLoop.from_settings({"hitch_x_mm": -6.93, "hitch_y_mm": 6.93}, base)
-    found = portrait(loop, tolerance=1e-5)
-    assert len(found.fixed_points) == 2
-    assert sentences.headline(found) == f"plywood rests at {both(160.9)}, for 45 cycles at a time"
-    gone = CollectionLoop.from_settings({"hitch_x_mm": -6.9, "hitch_y_mm": 6.9}, base)
-    assert not fixed_points(gone.circle_map(tolerance=1e-5))
 
 
 @pytest.mark.slow
