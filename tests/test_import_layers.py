@@ -112,8 +112,6 @@ def test_no_file_imports_itself_through_others() -> None:
     ("source", "module", "wrong"),
     [
         ("from cyclemap.maps import CircleMap", "mechanics.push", True),
-        ("from cyclemap.mechanics import Slider", "maps.orbits.periodic_points", True),
-        ("import cyclemap.views.style as s", "evidence.tables", True),
         ("from ..cli import main", "views.page", True),
         ("from .. import views", "collection.loop", True),
         ("def f():\n    from cyclemap.evidence import x", "collection.loop", True),
@@ -121,9 +119,7 @@ def test_no_file_imports_itself_through_others() -> None:
         ("import cyclemap", "maps.orbits.periodic_points", True),
         ("from importlib import import_module\nimport_module('cyclemap.cli.main')", "views.page", True),
         ("from cyclemap.maps import CircleMap", "errors", True),
-        ("from ..views import x", "collection.__init__", True),
         ("from .portrait import x", "collection.__init__", False),
-        ("from cyclemap.errors import InvalidInput", "mechanics.push", False),
         ("from .push import Push\nfrom . import drag", "mechanics.cycle", False),
         ("from ..maps import CircleMap", "collection.loop", False),
         ("from cyclemap.cli.main import main", "__main__", False),

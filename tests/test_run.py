@@ -104,7 +104,6 @@ def test_changed_engine_is_built_without_an_installation(installer, run) -> None
 
 @pytest.mark.parametrize(("pins", "numpy"), [("constraints.txt", "2.4.6"), ("floors", "2.0.0"), ("newest", None)])
 def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, numpy) -> None:
-    """The tested set, the lower bounds of pyproject.toml, or nothing: for what is installed and what builds it."""
     made = []
     if pins != "constraints.txt":
         run.move_to(pins)

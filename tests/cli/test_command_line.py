@@ -21,7 +21,6 @@ PORTRAIT_KEYS = {
 
 @pytest.mark.slow
 def test_portrait_prints_the_promised_json_and_leaves_picture_and_json(here, printed, assert_written) -> None:
-    """Plywood is locked, with one stable and one unstable direction."""
     assert run(["portrait", "plywood", "--json", "-", "--out", "pictures"]) == 0
     report, text = printed()
     assert list(report) == ["map", "fixed_points", "rotation_number", "stationary", "staircase", "uncertainty"]

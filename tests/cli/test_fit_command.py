@@ -100,7 +100,6 @@ def test_a_folder_of_several_sets_is_fitted_set_by_set_or_as_selected(here, caps
 
 
 def test_what_is_too_small_or_unreadable_is_told_and_nothing_is_drawn(here, capsys) -> None:
-    """A set with nothing to fit, then a folder of which nothing can be read: the first reasons, and the count."""
     collection(here / "pushes.csv", count=9)
     assert run(["fit", "pushes.csv"]) == 0
     assert "nothing could be fitted" in capsys.readouterr().out and not (here / "out").exists()

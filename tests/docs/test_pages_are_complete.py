@@ -21,7 +21,6 @@ def words(name: str) -> str:
 
 
 def test_the_readme_tells_every_setting_as_the_guide_does() -> None:
-    """The table of the guide is made from the settings themselves; the README's is the same to the letter."""
     readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
     assert runpy.run_path(str(DOCS / "_extensions" / "settings_table.py"))["markdown"]() in readme
 

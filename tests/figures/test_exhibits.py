@@ -26,7 +26,7 @@ TOLD = {
     "setup-and-cycle": ("90 mm", "150 mm", "18 mm", "15 mm", "270°", "72.4°", "-49.5°", "292.9°"),
     "fingerprint": ("Ω 8.00°", "59.4° ± 21.1°", "3.8° away, within that error", "power 2.0", "21.3 mm"),
     "saddle-node": ("9.793 mm", "13 mm", "162.", "square root"),
-    "locking-in": ("38°", "63°", " cycles"),
+    "locking-in": ("38°", "63°", "20 cycles"),
 }
 
 

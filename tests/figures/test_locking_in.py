@@ -27,7 +27,6 @@ def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_br
 
 
 def test_there_is_a_picture_for_every_moment_that_was_asked_for(result) -> None:
-    """Five of the first cycle, four of the last, one of each between."""
     assert len(result.moments) == 5 + 4 + (result.cycles - 2)
     assert [moment.cycle for moment in result.moments] == sorted(moment.cycle for moment in result.moments)
     assert result.moments[-1].seconds > 1.0

@@ -23,6 +23,9 @@ def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
     assert counts["abs"].pushes.count == RECORDED_ABS and counts["plywood"].pushes.count == RECORDED_PLYWOOD
     assert counts["delrin"] is None and counts["pu"] is None
     assert counts["abs"].unreadable == 0
+    pairs = measured_theta0(recorded, "abs")
+    assert pairs.path.size == RECORDED_ABS and pairs.theta.size == RECORDED_ABS - 1
+    assert measured_theta0(recorded, "pu") is None
 
 
 def test_recorded_pushes_are_those_of_the_loop_that_made_the_files(recorded) -> None:
@@ -30,12 +33,6 @@ def test_recorded_pushes_are_those_of_the_loop_that_made_the_files(recorded) -> 
     direct = recorded_loop("abs").cycles(pushes.theta[:3])
     assert pushes.dtheta[:3] == pytest.approx(direct.push_turn, abs=1e-4)
     assert pushes.dx[:3] == pytest.approx(direct.push_displacement[:, 0], abs=1e-6)
-
-
-def test_theta0_of_a_set_is_its_path(recorded) -> None:
-    pairs = measured_theta0(recorded, "abs")
-    assert pairs.path.size == RECORDED_ABS and pairs.theta.size == RECORDED_ABS - 1
-    assert measured_theta0(recorded, "pu") is None
 
 
 def test_pushes_of_another_protocol_or_too_few_are_no_set(tmp_path) -> None:

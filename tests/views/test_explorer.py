@@ -167,7 +167,6 @@ def test_the_page_is_answered(server) -> None:
     ],
 )
 def test_what_does_not_come_from_the_page_is_refused(server, changed, status) -> None:
-    """Rebound names, other sites, guessed tokens, forms, endless bodies, unknown requests."""
     assert request(server, **changed)[0] == status
 
 
@@ -238,7 +237,6 @@ def test_interrupt_ends_it_well(running) -> None:
 
 @pytest.mark.slow
 def test_page_in_a_real_browser(running, open_page) -> None:
-    """A slider moved: the fixed points are the mechanics' own, and frames advance."""
     page, replies = open_page(running.address), []
     page.on("response", lambda one: replies.append(one) if one.url.endswith("/api/portrait") else None)
     page.wait_for_selector("body[data-exact=true]")

@@ -96,7 +96,6 @@ def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:
 
 
 def test_curves_and_words_keep_to_the_orientations_that_were_measured() -> None:
-    """Pushes from a quarter of the circle: no line elsewhere, and the arc is told."""
     theta = np.random.default_rng(2).uniform(0.5, 2.0, 120)
     pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.cos(theta) + 0.02 * np.random.default_rng(3).standard_normal(120))
     fit = fit_set(made_set(pairs))

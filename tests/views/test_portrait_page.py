@@ -37,7 +37,6 @@ def test_predicted_and_measured_differ_in_a_grey_print() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("picture_format", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_each_format_is_what_it_says_and_comes_out_the_same_twice(drawn, picture_format, start) -> None:
-    """A PNG has the shape of a talk's slide and is small; other formats are refused."""
     page = drawn("locked")[1]
     picture = render(page, picture_format)
     assert picture.startswith(start) and render(page, picture_format) == picture
@@ -70,7 +69,6 @@ def test_headline_and_sentence_tell_where_it_locks_and_how_fast_or_the_pace(draw
 
 
 def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
-    """The stable point stays for 45 cycles on average: the run of 200 is told as resting, one of 40 as locked."""
     found = drawn("locked")[0]
     (zone,) = found.prediction.zones
     short = replace(found.prediction, zones=(replace(zone, residence_cycles=Estimate(45.0, 0.1)),))
@@ -84,7 +82,6 @@ def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
 
 @pytest.mark.slow
 def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None:
-    """plywood-measured: one stable point when fresh, 17.5 turns measured and some 16 made as it wears."""
     found = portrait(CollectionLoop.mit("plywood-measured"), tolerance=1e-4, sigma=math.radians(1.0))
     assert found.drifting is not None and found.worn is not None
     said = sentences.headline(found)

@@ -78,7 +78,6 @@ def test_report_without_script_shows_the_picture(report, open_page) -> None:
 
 
 def test_a_name_cannot_bring_script_into_the_report(tmp_path) -> None:
-    """What a file says is text, whatever it looks like."""
     material = tmp_path / "evil.toml"
     material.write_text(
         'name = "x</script><script>alert(1)</script>"\nprovenance = "<img src=x onerror=alert(1)>"\n'

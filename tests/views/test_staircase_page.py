@@ -33,7 +33,6 @@ def measured() -> MeasuredStaircase:
 
 
 def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
-    """Ticks stand at whole turns of the drawn degrees and say the number of turns."""
     axes = staircase_page(forecast(*GHOST)).axes[0]
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == "θ0, unwrapped (turns)"
@@ -45,7 +44,6 @@ def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", [GHOST, WELL, TURNING])
 def test_every_kind_of_staircase_can_be_rendered_with_whole_counts(forecast, law) -> None:
-    """A single dwell stands over the tick 1, not between fractions of dwells; a rotation has none."""
     page = staircase_page(forecast(*law))
     assert render(page).startswith(b"\x89PNG")
     assert all(float(tick).is_integer() for tick in page.axes[2].get_xticks())
