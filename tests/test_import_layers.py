@@ -14,28 +14,11 @@ PACKAGE = Path(cyclemap.__file__).parent
 # The room that lies beside the package and is installed in it.
 FIGURES = PACKAGE.parent / "figures"
 # A room may import itself and rooms of lower rank; two rooms of one rank do not know each other.
-RANK = {
-    "mechanics": 2,
-    "maps": 2,
-    "collection": 3,
-    "evidence": 4,
-    "sweeps": 4,
-    "resets": 5,
-    "views": 6,
-    "figures": 7,
-    "cli": 8,
-}
+ROOMS = ("mechanics maps", "collection", "evidence sweeps", "resets", "views", "figures", "cli")
+RANK = {name: rank for rank, names in enumerate(ROOMS, 2) for name in names.split()}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
-SHARED = {
-    "arrays": 0,
-    "errors": 0,
-    "lazy_names": 0,
-    "plain_text": 0,
-    "checks": 1,
-    "file_text": 1,
-    "inline_svg": 1,
-    "text_files": 1,
-}
+SMALL = ("arrays errors lazy_names plain_text", "checks file_text inline_svg text_files")
+SHARED = {name: rank for rank, names in enumerate(SMALL) for name in names.split()}
 DOORS = {"__init__": 9, "__main__": 9}
 ALL_RANKS = RANK | SHARED | DOORS
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes, read_theta0_pairs
 from cyclemap.mechanics import load_footprint, load_material
 from cyclemap.resets import read_protocol
@@ -96,12 +96,3 @@ def test_deep_nesting_and_many_digits_are_told_in_one_line(tmp_path, capsys) -> 
     assert run(["sweep", "plywood", "--over", f"way_points_mm={deep}"]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 7 and max(map(len, lines)) < 4500
-
-
-def test_a_grid_of_support_points_has_a_largest_one(capsys) -> None:
-    assert run(["cycle", "plywood", "--set", "footprint=grid:100000"]) == 2
-    assert "100000 points a side" in capsys.readouterr().err
-    with pytest.raises(InvalidInput, match="none of: exact"):
-        from cyclemap import CollectionLoop
-
-        CollectionLoop.from_settings({"footprint": "grid:١٢"})

@@ -32,6 +32,8 @@ BAD_USES = [
     (["cycle", "plywood", "--set", "side=7"], "side"),
     (["cycle", "plywood", "--set", "hitch_x_mm=inf"], "hitch"),
     (["cycle", "plywood", "--set", "footprint=grid:0"], "grid"),
+    (["cycle", "plywood", "--set", "footprint=grid:100000"], "100000 points a side"),
+    (["cycle", "plywood", "--set", "footprint=grid:١٢"], "none of: exact"),
     (["cycle", "plywood", "--set", "noise_deg=0"], "noise_deg"),
     (["cycle", "plywood", "--theta0-deg", "0,x"], "'x'"),
     (["cycle", "plywood", "--theta0-deg", "nan"], "'nan'"),

@@ -14,7 +14,6 @@ from cyclemap.figures.pushed_paths import (
     paths_from_measured_theta0,
     paths_on_four_surfaces,
     recorded_paths,
-    simulated_paths,
 )
 
 
@@ -49,14 +48,6 @@ def test_both_frames_tell_the_same_path_turned_by_theta0() -> None:
         turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)
         assert np.allclose(turned, paths.robot_frame - paths.robot_frame[:, :1], atol=1e-12)
         assert np.all(paths.object_frame[:, 0] == 0.0)
-
-
-def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch) -> None:
-    monkeypatch.setattr("cyclemap.figures.pushed_paths.STANDS_FOR", {"pu": "isotropic"})
-    paths = simulated_paths.__wrapped__("pu", 60, 8)
-    assert len(np.unique(paths.theta0)) == 8
-    assert np.ptp(paths.object_frame, axis=0).max() < 1e-6
-    assert np.ptp(paths.robot_frame[:, -1], axis=0).min() > 0.05
 
 
 @pytest.mark.slow

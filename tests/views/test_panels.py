@@ -6,26 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from cyclemap.maps import (
-    ARNOLD_FAMILY,
-    MOEBIUS_FAMILY,
-    CircleMap,
-    WrappedNormal,
-    basins,
-    bifurcations,
-    compare_steps,
-    find_steps,
-    lyapunov_exponents,
-    orbit_branches,
-    orbit_diagram,
-    periodic_orbits,
-    predict_staircase,
-    rotation_numbers,
-    rotation_plane,
-    sample_staircase,
-    tongues,
-    transfer_operator,
-)
+from cyclemap import maps
+from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, WrappedNormal
 from cyclemap.views import orbit_panels, rotation_panels, style
 from cyclemap.views.staircase_page import draw_step_lengths, draw_steps
 
@@ -74,50 +56,50 @@ def words(axes: Axes) -> list[str]:
 
 def planes():
     across, alone = np.linspace(0.0, 0.5, 26), ([0.5], [0.3])
-    yield rotation_plane(ARNOLD_FAMILY, across, [0.2, 0.5, 0.8, 1.1], tolerance=0.02)
-    yield from (rotation_plane(MOEBIUS_FAMILY, *axes) for axes in (alone, ([0.6, 0.5], [0.3, 0.2, 0.1])))
+    yield maps.rotation_plane(ARNOLD_FAMILY, across, [0.2, 0.5, 0.8, 1.1], tolerance=0.02)
+    yield from (maps.rotation_plane(MOEBIUS_FAMILY, *axes) for axes in (alone, ([0.6, 0.5], [0.3, 0.2, 0.1])))
 
 
 def dwells():
     """Steps of a sampled staircase beside the prediction, and of a path that never rests."""
-    prediction = predict_staircase(GHOST, GHOST_NOISE)
-    steps = find_steps(sample_staircase(GHOST, GHOST_NOISE, 240).theta, zones=prediction.zones)
-    yield steps, compare_steps(steps, prediction)
-    yield (find_steps(np.linspace(0.0, 60.0, 300)),)
+    prediction = maps.predict_staircase(GHOST, GHOST_NOISE)
+    steps = maps.find_steps(maps.sample_staircase(GHOST, GHOST_NOISE, 240).theta, zones=prediction.zones)
+    yield steps, maps.compare_steps(steps, prediction)
+    yield (maps.find_steps(np.linspace(0.0, 60.0, 300)),)
 
 
 def kinds(draw, *circle_maps: CircleMap):
     for circle_map in circle_maps:
-        yield draw, transfer_operator(circle_map, WrappedNormal(0.03 if circle_map is PARTS else 0.3))
+        yield draw, maps.transfer_operator(circle_map, WrappedNormal(0.03 if circle_map is PARTS else 0.3))
 
 
 PANELS = {
     "orbits": lambda: [
-        (orbit_panels.draw_map, circle_map, periodic_orbits(circle_map, period))
+        (orbit_panels.draw_map, circle_map, maps.periodic_orbits(circle_map, period))
         for circle_map, period in ((CircleMap.arnold(0.5, 0.9), 2), (CircleMap.arnold(0.9 / (2 * np.pi), 0.9), 1))
     ],
     "densities": lambda: [*kinds(orbit_panels.draw_density, sine(0.9), MAPS["degree 2"][0], PARTS)],
     "basins": lambda: [
-        (orbit_panels.draw_basins, basins(circle_map, max_period=2, left_over=1e-3))
+        (orbit_panels.draw_basins, maps.basins(circle_map, max_period=2, left_over=1e-3))
         for circle_map in (sine(0.9), WELLS, CircleMap.arnold(0.3, 2.5), CircleMap.moebius(0.5, 0.3))
     ],
     "no branch": lambda: [(orbit_panels.draw_orbit_branches, [])],
-    "orbit diagram": lambda: [(orbit_panels.draw_orbit_diagram, orbit_diagram(sine, BEND, cycles=40), "K")],
+    "orbit diagram": lambda: [(orbit_panels.draw_orbit_diagram, maps.orbit_diagram(sine, BEND, cycles=40), "K")],
     "exponents": lambda: [
-        (orbit_panels.draw_lyapunov_exponents, lyapunov_exponents(CircleMap.arnold, omega, BEND), *names)
+        (orbit_panels.draw_lyapunov_exponents, maps.lyapunov_exponents(CircleMap.arnold, omega, BEND), *names)
         for omega, names in ((0.1, "K"), (OMEGA[::10, None], "ΩK"))
     ],
     "rotation planes": lambda: [(rotation_panels.draw_rotation_plane, plane, "Ω", "K") for plane in planes()],
     "plateaus": lambda: [
-        (rotation_panels.draw_rotation_numbers, OMEGA, rotation_numbers(ARNOLD_FAMILY, OMEGA, 0.95), "Ω")
+        (rotation_panels.draw_rotation_numbers, OMEGA, maps.rotation_numbers(ARNOLD_FAMILY, OMEGA, 0.95), "Ω")
     ],
     "tongues": lambda: [
         (
             rotation_panels.draw_tongues,
-            tongues(CircleMap.arnold, [0, Fraction(1, 2), Fraction(1, 3)], [0.4, 0.8, 1.2], (-0.5, 1.0)),
+            maps.tongues(CircleMap.arnold, [0, Fraction(1, 2), Fraction(1, 3)], [0.4, 0.8, 1.2], (-0.5, 1.0)),
         )
     ],
-    "steps": lambda: [(draw_steps, STAIRS, find_steps(STAIRS))],
+    "steps": lambda: [(draw_steps, STAIRS, maps.find_steps(STAIRS))],
     "step lengths": lambda: [(draw_step_lengths, *values) for values in dwells()],
 }
 WORDS = {
@@ -156,7 +138,7 @@ def test_graph_holds_images_of_its_angles_in_one_piece_for_every_cut_and_never_l
 
 def test_branches_are_solid_where_stable_and_change_at_bifurcations() -> None:
     """Fixed points of the sine map from before their birth to beyond their period doubling, where theory has them."""
-    found = orbit_branches(sine, (0.3, 2.5)), bifurcations(sine, (0.3, 2.5))
+    found = maps.orbit_branches(sine, (0.3, 2.5)), maps.bifurcations(sine, (0.3, 2.5))
     axes, seen = drawn(orbit_panels.draw_orbit_branches, *found, "K"), set()
     for line in axes.lines:
         for K, theta_deg in line.get_xydata()[1:-1] if line.get_marker() == "None" else ():

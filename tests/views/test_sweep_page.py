@@ -72,10 +72,7 @@ def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
 def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
     sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
     points, _ = panels(page_of(sweep))
-    unstable, stable, refused = points.lines[:3]
-    assert stable.get_xdata() == pytest.approx([0.2, 0.21, 0.22, 0.23, 0.24])
-    assert unstable.get_ydata() == pytest.approx(np.degrees(2.0 + np.arange(5) / 10))
-    assert refused.get_xdata() == pytest.approx([0.3])
+    assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], "unstable, stable and refused points"
     assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith("4 of 11 points over friction μa")
 
 
