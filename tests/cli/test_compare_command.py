@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap
 
@@ -38,10 +37,9 @@ def poses() -> str:
 
 
 @pytest.mark.slow
-def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, assert_written) -> None:
-    told = ["--set", "noise_deg=5.7", "--first", "20", "--json", "-", "--out", "pictures"]
-    assert run([*COMPARE, "measured.csv", *told]) == 0
-    report, text = printed()
+def test_json_tells_everything_that_was_asked_and_nothing_else(saved_report) -> None:
+    told = ["--set", "noise_deg=5.7", "--first", "20", "--out", "pictures"]
+    report = saved_report("pictures/compare_plywood", *COMPARE, "measured.csv", *told)
     assert list(report) == KEYS
     told = {"material": "plywood", "kind": "loop", "posterior_samples": 0, "refitted": False}
     assert report["prediction"] == {**told, "noise_deg": pytest.approx(5.7)}
@@ -54,13 +52,11 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, printed, as
     assert len(report["directions"]["predicted"]) == 1
     assert report["staircase"]["turns"]["lower"] <= report["staircase"]["turns"]["upper"]
     assert all({"question", "agrees", "words"} == set(one) for one in report["verdicts"])
-    assert_written(here / "pictures", "compare_plywood", text)
 
 
 @pytest.mark.slow
-def test_a_length_that_the_data_do_not_tell_is_asked_for(here, refused, printed) -> None:
+def test_a_length_that_the_data_do_not_tell_is_asked_for(here, refused, report_of) -> None:
     (here / "poses.csv").write_text(poses())
     refused([*COMPARE, "poses.csv"], "do not tell how far the rod moved")
-    assert run([*COMPARE, "poses.csv", "--set", "push_mm=150", "--json", "-"]) == 0
-    (pushes,) = printed()[0]["pushes"]
+    (pushes,) = report_of(*COMPARE, "poses.csv", "--set", "push_mm=150")["pushes"]
     assert pushes["push_mm"] == pytest.approx(150.0) and pushes["dx_mm"]["rmse"] < 1e-3

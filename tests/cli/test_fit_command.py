@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli.json_report import json_text
 from cyclemap.cli.main import run
 
 TURN = 2 * math.pi
@@ -37,10 +36,9 @@ def collection(file: Path, count: int = 120) -> Path:
 
 
 @pytest.mark.slow
-def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, printed, assert_written) -> None:
+def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, report_of) -> None:
     collection(here / "pushes.csv")
-    assert run(["fit", "pushes.csv", "--json", "-", "--out", "results"]) == 0
-    report, _ = printed()
+    report = report_of("fit", "pushes.csv", "--out", "results")
     assert list(report) == ["pushes", "scans", "unreadable", "sets"]
     (found,) = report["sets"]
     assert set(found) == SET_KEYS
@@ -52,7 +50,8 @@ def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, printed, ass
     assert sum(found["dtheta_histogram"]["measured"]) == 121
     assert (cycle["pairs"], cycle["wear_degree"], cycle["harmonics"]) == (120, 1, 1)
     assert cycle["late"]["slowest"]["theta_deg"] == pytest.approx(180.0, abs=10.0)
-    assert_written(here / "results", "fit_plywood_rect1", json_text(found))
+    assert sorted(path.suffix for path in (here / "results").iterdir()) == [".json", ".png"]
+    assert json.loads((here / "results" / "fit_plywood_rect1.json").read_text()) == found
 
 
 @pytest.mark.slow

@@ -28,10 +28,9 @@ def data_file(folder: Path, angles=LOCKED) -> Path:
 
 
 @pytest.mark.slow
-def test_one_look_tells_alarm_direction_coverage_and_advice(here, capsys, printed, assert_written) -> None:
+def test_one_look_tells_alarm_direction_coverage_and_advice(here, capsys, saved_report) -> None:
     asked = ["watch", str(data_file(here)), "--alarm-rate", "0.1"]
-    assert run([*asked, "--json", "-"]) == 0
-    report, text = printed()
+    report = saved_report("out/watch_my_run", *asked)
     parts = "file pushes alarm_rate alarm evidence rest useful_pushes recent_worth coverage advice"
     assert set(report) == set(parts.split())
     assert (report["file"], report["pushes"], report["alarm_rate"]) == ("my run.csv", 35, 0.1)
@@ -39,7 +38,6 @@ def test_one_look_tells_alarm_direction_coverage_and_advice(here, capsys, printe
     assert report["rest"]["towards_deg"] == [pytest.approx(60.3, abs=0.5)]
     assert report["evidence"]["rest_log10"] >= report["evidence"]["threshold_log10"] == pytest.approx(math.log10(20.0))
     assert report["advice"] == {"change_reset": True, "direction_deg": pytest.approx(235.0, abs=10.0)}
-    assert_written(here / "out", "watch_my_run", text)
     assert run(asked) == 0
     shown = capsys.readouterr()
     assert shown.err == ""

@@ -8,7 +8,16 @@ from matplotlib.axes import Axes
 
 from cyclemap import maps
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, WrappedNormal
-from cyclemap.views import orbit_panels, rotation_panels, style
+from cyclemap.views import style
+from cyclemap.views.orbit_panels import (
+    draw_basins,
+    draw_density,
+    draw_lyapunov_exponents,
+    draw_map,
+    draw_orbit_branches,
+    draw_orbit_diagram,
+)
+from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane, draw_tongues
 from cyclemap.views.staircase_page import draw_step_lengths, draw_steps
 
 WELLS = CircleMap(
@@ -28,9 +37,9 @@ MAPS = {
     "degree 2": (CircleMap.blaschke([0.3, 0.2j], 0.1), 3),
     "degree -1": (CircleMap(lambda theta: -theta + 0.3 * np.sin(theta), degree=-1), None),
 }
+TWO, TOUCHING = CircleMap.arnold(0.5, 0.9), CircleMap.arnold(0.9 / (2 * np.pi), 0.9)
 BEND, OMEGA = np.linspace(1.5, 4.0, 60), np.linspace(0.0, 1.0, 201)
 STAIRS = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
-GHOST, GHOST_NOISE = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
 
 
 def sine(K):
@@ -54,77 +63,70 @@ def words(axes: Axes) -> list[str]:
     return [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
 
 
-def planes():
-    across, alone = np.linspace(0.0, 0.5, 26), ([0.5], [0.3])
-    yield maps.rotation_plane(ARNOLD_FAMILY, across, [0.2, 0.5, 0.8, 1.1], tolerance=0.02)
-    yield from (maps.rotation_plane(MOEBIUS_FAMILY, *axes) for axes in (alone, ([0.6, 0.5], [0.3, 0.2, 0.1])))
+def law(circle_map: CircleMap, sigma: float = 0.3):
+    return (maps.transfer_operator(circle_map, WrappedNormal(sigma)),)
+
+
+def basins(circle_map: CircleMap):
+    return (maps.basins(circle_map, max_period=2, left_over=1e-3),)
+
+
+def plane(family, *axes, tolerance: float = 1e-3):
+    return maps.rotation_plane(family, *axes, tolerance=tolerance), "Ω", "K"
 
 
 def dwells():
-    """Steps of a sampled staircase beside the prediction, and of a path that never rests."""
-    prediction = maps.predict_staircase(GHOST, GHOST_NOISE)
-    steps = maps.find_steps(maps.sample_staircase(GHOST, GHOST_NOISE, 240).theta, zones=prediction.zones)
-    yield steps, maps.compare_steps(steps, prediction)
-    yield (maps.find_steps(np.linspace(0.0, 60.0, 300)),)
+    """Steps of a sampled staircase, and their prediction."""
+    ghost, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
+    prediction = maps.predict_staircase(ghost, noise)
+    steps = maps.find_steps(maps.sample_staircase(ghost, noise, 240).theta, zones=prediction.zones)
+    return steps, maps.compare_steps(steps, prediction)
 
 
-def kinds(draw, *circle_maps: CircleMap):
-    for circle_map in circle_maps:
-        yield draw, maps.transfer_operator(circle_map, WrappedNormal(0.03 if circle_map is PARTS else 0.3))
-
-
-PANELS = {
-    "orbits": lambda: [
-        (orbit_panels.draw_map, circle_map, maps.periodic_orbits(circle_map, period))
-        for circle_map, period in ((CircleMap.arnold(0.5, 0.9), 2), (CircleMap.arnold(0.9 / (2 * np.pi), 0.9), 1))
-    ],
-    "densities": lambda: [*kinds(orbit_panels.draw_density, sine(0.9), MAPS["degree 2"][0], PARTS)],
-    "basins": lambda: [
-        (orbit_panels.draw_basins, maps.basins(circle_map, max_period=2, left_over=1e-3))
-        for circle_map in (sine(0.9), WELLS, CircleMap.arnold(0.3, 2.5), CircleMap.moebius(0.5, 0.3))
-    ],
-    "no branch": lambda: [(orbit_panels.draw_orbit_branches, [])],
-    "orbit diagram": lambda: [(orbit_panels.draw_orbit_diagram, maps.orbit_diagram(sine, BEND, cycles=40), "K")],
-    "exponents": lambda: [
-        (orbit_panels.draw_lyapunov_exponents, maps.lyapunov_exponents(CircleMap.arnold, omega, BEND), *names)
-        for omega, names in ((0.1, "K"), (OMEGA[::10, None], "ΩK"))
-    ],
-    "rotation planes": lambda: [(rotation_panels.draw_rotation_plane, plane, "Ω", "K") for plane in planes()],
-    "plateaus": lambda: [
-        (rotation_panels.draw_rotation_numbers, OMEGA, maps.rotation_numbers(ARNOLD_FAMILY, OMEGA, 0.95), "Ω")
-    ],
-    "tongues": lambda: [
-        (
-            rotation_panels.draw_tongues,
-            maps.tongues(CircleMap.arnold, [0, Fraction(1, 2), Fraction(1, 3)], [0.4, 0.8, 1.2], (-0.5, 1.0)),
-        )
-    ],
-    "steps": lambda: [(draw_steps, STAIRS, maps.find_steps(STAIRS))],
-    "step lengths": lambda: [(draw_step_lengths, *values) for values in dwells()],
-}
-WORDS = {
-    "orbits": ["stable", "unstable", "half-stable"],
-    "densities": ["stationary density, ± ", "stationary density, shares of its parts unknown"],
-    "basins": ["period 1, winding 0: ", "undecided: nothing", "no stable orbit"],
-    "no branch": ["no periodic orbit"],
-    "plateaus": ["0/1", "1/3", "1/2", "2/3", "1/1"],
-    "tongues": ["0/1", "1/2", "1/3", "edge of a tongue", "edge where the map folds"],
-    "steps": ["0.0°", "57.3°", "114.6°"],
-    "step lengths": ["dwell", "mean", "predicted", "no dwell"],
-}
+TONGUES = [0, Fraction(1, 2), Fraction(1, 3)], [0.4, 0.8, 1.2], (-0.5, 1.0)
+PANELS = [
+    (draw_map, lambda: (TWO, maps.periodic_orbits(TWO, 2)), ["stable", "unstable"]),
+    (draw_map, lambda: (TOUCHING, maps.periodic_orbits(TOUCHING, 1)), ["half-stable"]),
+    (draw_density, lambda: law(sine(0.9)), ["stationary density, ± "]),
+    (draw_density, lambda: law(PARTS, 0.03), ["stationary density, shares of its parts unknown"]),
+    (draw_basins, lambda: basins(sine(0.9)), ["period 1, winding 0: ", "undecided: nothing"]),
+    (draw_basins, lambda: basins(WELLS), ["period 1, winding 0: "]),
+    (draw_basins, lambda: basins(CircleMap.arnold(0.3, 2.5)), ["period "]),
+    (draw_basins, lambda: basins(CircleMap.moebius(0.5, 0.3)), ["no stable orbit"]),
+    (draw_orbit_branches, lambda: ([],), ["no periodic orbit"]),
+    (draw_orbit_diagram, lambda: (maps.orbit_diagram(sine, BEND, cycles=40), "K"), []),
+    (draw_lyapunov_exponents, lambda: (maps.lyapunov_exponents(CircleMap.arnold, 0.1, BEND), "K"), []),
+    (draw_lyapunov_exponents, lambda: (maps.lyapunov_exponents(CircleMap.arnold, OMEGA[:, None], BEND), *"ΩK"), []),
+    (draw_rotation_plane, lambda: plane(ARNOLD_FAMILY, OMEGA[:100:4], [0.2, 0.5, 0.8, 1.1], tolerance=0.02), []),
+    (draw_rotation_plane, lambda: plane(MOEBIUS_FAMILY, [0.5], [0.3]), []),
+    (draw_rotation_plane, lambda: plane(MOEBIUS_FAMILY, [0.6, 0.5], [0.3, 0.2, 0.1]), []),
+    (
+        draw_rotation_numbers,
+        lambda: (OMEGA, maps.rotation_numbers(ARNOLD_FAMILY, OMEGA, 0.95), "Ω"),
+        ["0/1", "1/3", "1/2", "2/3", "1/1"],
+    ),
+    (
+        draw_tongues,
+        lambda: (maps.tongues(CircleMap.arnold, *TONGUES),),
+        ["0/1", "1/2", "1/3", "edge of a tongue", "edge where the map folds"],
+    ),
+    (draw_steps, lambda: (STAIRS, maps.find_steps(STAIRS)), ["0.0°", "57.3°", "114.6°"]),
+    (draw_step_lengths, dwells, ["dwell", "mean", "predicted"]),
+    (draw_step_lengths, lambda: (maps.find_steps(np.linspace(0.0, 60.0, 300)),), ["no dwell"]),
+]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", PANELS)
-def test_a_panel_comes_out_with_its_words(name) -> None:
-    told = [one for panel in PANELS[name]() for one in words(drawn(*panel))]
-    assert [word for word in WORDS.get(name, []) if not any(one.startswith(word) for one in told)] == []
+@pytest.mark.parametrize(("draw", "values", "wanted"), PANELS)
+def test_a_panel_comes_out_with_its_words(draw, values, wanted) -> None:
+    told = words(drawn(draw, *values()))
+    assert [word for word in wanted if not any(one.startswith(word) for one in told)] == []
 
 
 @pytest.mark.parametrize("name", MAPS)
 def test_graph_holds_images_of_its_angles_in_one_piece_for_every_cut_and_never_leaps(name) -> None:
     circle_map, pieces = MAPS[name]
-    lines = drawn(orbit_panels.draw_map, circle_map).lines
+    lines = drawn(draw_map, circle_map).lines
     graph = [line.get_data() for line in lines if line.get_linestyle() == "-"]
     for theta_deg, image_deg in graph:
         assert image_deg.min() >= -1e-9 and image_deg.max() <= 360.0 + 1e-9
@@ -139,7 +141,7 @@ def test_graph_holds_images_of_its_angles_in_one_piece_for_every_cut_and_never_l
 def test_branches_are_solid_where_stable_and_change_at_bifurcations() -> None:
     """Fixed points of the sine map from before their birth to beyond their period doubling, where theory has them."""
     found = maps.orbit_branches(sine, (0.3, 2.5)), maps.bifurcations(sine, (0.3, 2.5))
-    axes, seen = drawn(orbit_panels.draw_orbit_branches, *found, "K"), set()
+    axes, seen = drawn(draw_orbit_branches, *found, "K"), set()
     for line in axes.lines:
         for K, theta_deg in line.get_xydata()[1:-1] if line.get_marker() == "None" else ():
             stable = abs(float(sine(K).derivative(np.radians(theta_deg)))) < 1.0
