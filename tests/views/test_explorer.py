@@ -237,8 +237,7 @@ def test_interrupt_ends_it_well(running) -> None:
 
 @pytest.mark.slow
 def test_page_in_a_real_browser(running, open_page) -> None:
-    page, replies = open_page(running.address), []
-    page.on("response", lambda one: replies.append(one) if one.url.endswith("/api/portrait") else None)
+    page = open_page(running.address)
     page.wait_for_selector("body[data-exact=true]")
     frames = [int(page.evaluate("document.body.dataset.frames")) for _ in range(2) if not page.wait_for_timeout(500)]
     assert frames[1] > frames[0], "the animation goes on"
@@ -249,6 +248,5 @@ def test_page_in_a_real_browser(running, open_page) -> None:
     assert "hitch_x_mm=-9.4" in page.url
     loop = cm.CollectionLoop.from_settings({"hitch_x_mm": -9.4}, cm.CollectionLoop.mit(material="plywood"))
     shown = page.evaluate("document.getElementById('headline').textContent")
-    points, told = cm.fixed_points(loop.circle_map()), json.loads(replies[-1].body())
-    assert [one["theta_deg"] for one in told["fixed_points"]] == [round(math.degrees(p.points[0]), 6) for p in points]
-    assert all(not orbit.stable or f"{math.degrees(orbit.points[0]):.1f}°" in shown for orbit in points)
+    stable = [orbit for orbit in cm.fixed_points(loop.circle_map()) if orbit.stable]
+    assert stable and all(f"{math.degrees(orbit.points[0]):.1f}°" in shown for orbit in stable)
