@@ -100,6 +100,23 @@ def report_of(printed) -> Callable[..., dict]:
     return read
 
 
+@pytest.fixture
+def saved_report(here, printed) -> Callable[..., dict]:
+    """The report of a command that writes what it prints to `place`, beside a picture, and nothing else there."""
+    from cyclemap.cli.main import run
+
+    def read(place: str, *arguments: str) -> dict:
+        assert run([*arguments, "--json", "-"]) == 0
+        (report, text), path = printed(), here / place
+        written = {file.name: file.read_bytes() for file in path.parent.iterdir()}
+        assert set(written) == {f"{path.name}.png", f"{path.name}.json"}
+        assert written[f"{path.name}.png"].startswith(b"\x89PNG")
+        assert written[f"{path.name}.json"].decode() == text
+        return report
+
+    return read
+
+
 @pytest.fixture(scope="session")
 def theta0_file() -> Callable[[Path, Iterable[float]], Path]:
     """Write orientations (rad) as a table of θ0 in degrees."""
@@ -149,18 +166,5 @@ def refused(here, capsys) -> Callable[..., None]:
         assert shown.err.startswith("error: ") and shown.err.count("\n") == 1
         assert words in shown.err
         assert sorted(here.rglob("*")) == before
-
-    return check
-
-
-@pytest.fixture(scope="session")
-def assert_written() -> Callable[[Path, str, str], None]:
-    """A folder holds the picture and the JSON that was printed, under this name, and nothing else."""
-
-    def check(folder: Path, stem: str, text: str) -> None:
-        written = {path.name: path.read_bytes() for path in folder.iterdir()}
-        assert set(written) == {f"{stem}.png", f"{stem}.json"}
-        assert written[f"{stem}.png"].startswith(b"\x89PNG")
-        assert written[f"{stem}.json"].decode() == text
 
     return check

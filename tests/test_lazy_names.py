@@ -37,15 +37,7 @@ def test_every_name_of_a_room_is_the_one_that_its_module_defines(room: str) -> N
     assert set(package.__all__) <= set(dir(package))
 
 
-def test_a_name_is_looked_up_once() -> None:
-    """After its first use a name is an ordinary attribute of the room."""
-    import cyclemap.maps
-
-    assert cyclemap.maps.CircleMap is vars(cyclemap.maps)["CircleMap"]
-
-
 def test_a_name_loads_its_own_module_and_not_the_others() -> None:
-    """A circle map needs neither the operators of the same room nor SciPy."""
     assert loaded("import cyclemap", ("casadi", "scipy", "matplotlib")) == []
     others = "cyclemap.maps.operator.transfer_operator", "cyclemap.maps.families.tongues", "scipy"
     assert loaded("import cyclemap.maps", ("cyclemap.maps.lifts.circle_map", *others)) == []
@@ -67,7 +59,6 @@ def test_a_function_named_like_its_module_is_the_function_in_either_order() -> N
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
-    """A name that does not exist fails as it does for any module."""
     for package in ("cyclemap", "cyclemap.maps"):
         with pytest.raises(AttributeError, match="no attribute 'CircelMap'"):
             _ = import_module(package).CircelMap
@@ -84,7 +75,6 @@ def test_a_room_without_its_source_says_so(monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.mark.slow
 def test_a_portrait_loads_nothing_that_it_does_not_use(tmp_path: Path) -> None:
-    """The whole command, drawing included: what takes long to load and serves other commands stays out."""
     code = (
         "from cyclemap.cli.main import run\n"
         f"assert run(['portrait', 'plywood', '--out', {str(tmp_path)!r}, '--json', '-']) == 0\n"

@@ -25,7 +25,6 @@ def shown(value) -> ElementTree.Element:
 
 
 def test_a_map_is_drawn_piece_by_piece() -> None:
-    """A jump is a gap, not a line: each of two branches is a line of its own, beside that of no turn."""
     jump = cm.CircleMap(lambda theta: theta + 0.3 * (np.mod(theta, 2 * np.pi) < 1.0), breaks=(0.0, 1.0))
     assert len(list(shown(jump).iter("polyline"))) == 3
     assert len(list(shown(cm.CircleMap.arnold(0.1, 0.9)).iter("polyline"))) == 2

@@ -31,7 +31,6 @@ def test_the_top_level_holds_some_sixty_names_and_the_rooms():
 
 
 def test_every_public_name_resolves():
-    """Each name of __all__ leads to something, and every promised name is among them."""
     found = [name for name in cm.__all__ if getattr(cm, name) is not None]
     assert len(found) == len(cm.__all__) and set(PROMISED) <= set(found)
 

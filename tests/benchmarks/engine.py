@@ -21,7 +21,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint, run_cycles
+from cyclemap.collection import CollectionLoop, fingerprint, run_cycles
 from cyclemap.evidence.data_blocks.stroke_block import push_end_block, surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
@@ -141,17 +141,6 @@ def map_rows() -> list[Row]:
     return [*rows, Row("fingerprint", seconds(lambda: fingerprint(MIT), 3), "any material")]
 
 
-def dynamic_rows() -> list[Row]:
-    """The cycle with inertia on 8 x 8 points, beside the quasi-static one on the same points."""
-    gridded, theta = replace(MIT, footprint=FOOTPRINTS["8 x 8 points"], accuracy=1e-6), math.radians(150.0)
-    rows = [Row("quasi-static cycle on 8 x 8 points at 1e-6", seconds(lambda: gridded.cycle(theta)), "cycle")]
-    for tolerance in (1e-5, 1e-7):
-        moving = DynamicLoop(gridded, tolerance=tolerance)
-        taken = seconds(lambda moving=moving: moving.cycle(theta), 3)
-        rows.append(Row(f"dynamic cycle at tolerance {tolerance:g}", taken, "cycle at 20 mm/s"))
-    return rows
-
-
 def portrait_rows(rounds: int = 5) -> list[Row]:
     """The command from outside, beside a process that draws as many panels, and the import of what it needs."""
     python = sys.executable
@@ -251,7 +240,6 @@ def main() -> None:
     show("footprints, cycles at 1e-8", footprint_rows())
     show("pushes to 10 µm", push_rows())
     del os.environ[THREADS_VARIABLE]
-    show("with and without inertia", dynamic_rows())
     show("maps", map_rows())
     show(f"{MATERIALS:,} materials x {BATCH.size} orientations, each cycle", batch_rows())
     show("threads", thread_rows())

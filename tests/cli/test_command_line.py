@@ -20,10 +20,8 @@ PORTRAIT_KEYS = {
 
 
 @pytest.mark.slow
-def test_portrait_prints_the_promised_json_and_leaves_picture_and_json(here, printed, assert_written) -> None:
-    """Plywood is locked, with one stable and one unstable direction."""
-    assert run(["portrait", "plywood", "--json", "-", "--out", "pictures"]) == 0
-    report, text = printed()
+def test_portrait_prints_the_promised_json_and_leaves_picture_and_json(saved_report) -> None:
+    report = saved_report("pictures/portrait_plywood", "portrait", "plywood", "--out", "pictures")
     assert list(report) == ["map", "fixed_points", "rotation_number", "stationary", "staircase", "uncertainty"]
     for part, keys in PORTRAIT_KEYS.items():
         assert set(report[part]) == set(keys.split()), part
@@ -33,7 +31,6 @@ def test_portrait_prints_the_promised_json_and_leaves_picture_and_json(here, pri
     assert sorted(orbit["stable"] for orbit in report["fixed_points"]) == [False, True]
     assert (report["rotation_number"]["locked"], report["map"]["degree"]) == ("0/1", 1)
     assert report["map"]["min_turn_deg"] < 0 < report["map"]["max_turn_deg"]
-    assert_written(here / "pictures", "portrait_plywood", text)
 
 
 @pytest.mark.slow

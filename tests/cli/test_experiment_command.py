@@ -9,7 +9,6 @@ from cyclemap.cli.main import run
 from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop
 from cyclemap.views.experiment_page import (
     experiment_headline,
-    experiment_page,
     isotropic_sentence,
     method_line,
     spread_sentence,
@@ -42,9 +41,9 @@ def turning(step_deg: float, batches: int, cycles: int) -> BatchExperiment:
 
 
 @pytest.mark.slow
-def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, printed, assert_written) -> None:
-    assert run(["experiment", "plywood", "--batches", "2", "--cycles", "3", *SHORT, "--json", "-"]) == 0
-    report, text = printed()
+def test_json_tells_every_batch_on_both_laws_and_nothing_else(saved_report) -> None:
+    asked = ("experiment", "plywood", "--batches", "2", "--cycles", "3", *SHORT)
+    report = saved_report("out/experiment_plywood", *asked)
     assert list(report) == ["model", "speed_mm_s", "cycles", "within_deg", "anisotropic", "isotropic"]
     assert (report["model"], report["speed_mm_s"], report["cycles"]) == ("dynamic", 20.0, 3)
     for law in ("anisotropic", "isotropic"):
@@ -53,7 +52,6 @@ def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, printed, ass
         for batch in report[law]["batches"]:
             assert list(batch) == BATCH_KEYS and len(batch["theta0_deg"]) == 4
     assert report["isotropic"]["spread_mm"] < 0.01 < report["anisotropic"]["spread_mm"]
-    assert_written(here / "out", "experiment_plywood", text)
 
 
 @pytest.mark.parametrize(
@@ -102,19 +100,9 @@ def test_paths_and_turns_are_told_and_one_of_them_in_the_singular() -> None:
     assert isotropic_sentence(lone).endswith("the cycle turns the object by 9.67°.")
 
 
-def test_the_page_has_both_frames_and_the_course_of_both_laws() -> None:
-    page = experiment_page(experiment([61.4, 61.4]))
-    panels = ("robot's frame", "object's frame", "θ0 over the cycles")
-    titles = [f"{law}: {panel}" for law in ("Anisotropic", "Isotropic") for panel in panels]
-    assert [axes.get_title(loc="left") for axes in page.axes] == titles
-    # 40 thin paths, and of each of 2 batches the last one thick with its start marked on it.
-    assert [len(axes.lines) for axes in page.axes] == [42, 42, 2] * 2
-
-
 @pytest.mark.slow
-def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(here, printed, assert_written) -> None:
-    assert run(["dynamics", "plywood", "--theta0-deg", "0,90", *SHORT, "--json", "-"]) == 0
-    report, text = printed()
+def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(saved_report) -> None:
+    report = saved_report("out/dynamics_plywood", "dynamics", "plywood", "--theta0-deg", "0,90", *SHORT)
     assert list(report) == ["speed_mm_s", "anisotropic", "isotropic"]
     assert report["isotropic"].pop("mu") == pytest.approx((0.2545 * 0.2346) ** 0.5)
     for law in ("anisotropic", "isotropic"):
@@ -127,4 +115,3 @@ def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(here, pri
         assert all(0.0 < abs(a["theta1_deg"] - b["theta1_deg"]) < 0.3 for a, b in pairs)
     one, other = report["isotropic"]["dynamic"]
     assert one["push_turn_deg"] == pytest.approx(other["push_turn_deg"], abs=1e-3)
-    assert_written(here / "out", "dynamics_plywood", text)

@@ -10,6 +10,17 @@ from cyclemap.cli.main import run
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, load_material
 
+MEASURED, SWEEP = ["--data", "measured.csv"], ["sweep", "plywood", "--over", "hitch_x_mm=-12:0:5"]
+FOLLOW = ["watch", "bad.csv", "--follow", "--every"]
+FILES = {
+    "bad.csv": "theta0_deg\n1\nx\n",
+    "far.csv": "theta0_deg\n1\n1e300\n",
+    "own.csv": "speed;force\n1;2\n",
+    "plain.toml": "[push]\npush_mm = 100\n",
+    "measured.csv": "theta0_deg\n" + "".join(f"{7 * n % 360}\n" for n in range(120)),
+    "pairs.csv": "theta0_deg,theta_next_deg\n" + "".join(f"{n},{n + 2}\n" for n in range(50)),
+    "poses.csv": "rep,surface,x0,y0,theta0,x1,y1,theta1\n" + "".join(f"{n},plywood,0,0,1,0,-0.1,2\n" for n in range(5)),
+}
 BAD_USES = [
     (["cycle", "plywod"], "did you mean 'plywood'"),
     (["cycle", "missing.toml"], "missing.toml"),
@@ -21,6 +32,8 @@ BAD_USES = [
     (["cycle", "plywood", "--set", "side=7"], "side"),
     (["cycle", "plywood", "--set", "hitch_x_mm=inf"], "hitch"),
     (["cycle", "plywood", "--set", "footprint=grid:0"], "grid"),
+    (["cycle", "plywood", "--set", "footprint=grid:100000"], "100000 points a side"),
+    (["cycle", "plywood", "--set", "footprint=grid:١٢"], "none of: exact"),
     (["cycle", "plywood", "--set", "noise_deg=0"], "noise_deg"),
     (["cycle", "plywood", "--theta0-deg", "0,x"], "'x'"),
     (["cycle", "plywood", "--theta0-deg", "nan"], "'nan'"),
@@ -55,12 +68,56 @@ BAD_USES = [
     (["simulate", "plywood", "--out", "made", "--pose-noise-mm", "nan"], "--pose-noise-mm': nan is in no range"),
     (["simulate", "plywood", "--out", "made", "--speed-mm-s", "0"], "0.0 is not in the range"),
     (["simulate", "plywood", "--out", "made", "--start-deg", "inf"], "start must be a finite number"),
+    (["staircase", "plywood", "--data", "pairs.csv"], "order"),
+    (["compare", "plywod", *MEASURED], "plywood"),
+    (["compare", "plywood", *MEASURED, "--set", "noise_deg=0"], "noise_deg"),
+    (["compare", "plywood", *MEASURED, "--runs", "3"], "runs"),
+    (["compare", "plywood", *MEASURED, "--first", "1000"], "first is 1000"),
+    (["compare", "plywood", *MEASURED, "--first", "-1"], "first"),
+    (["compare", "plywood", *MEASURED, "--select", "surface=delrin"], "orientations alone and tell no surface"),
+    (["compare", *MEASURED], "material"),
+    (["fit", "nowhere"], "nowhere: there is nothing there"),
+    (["fit", "poses.csv", "--select", "surface"], "not of the form key=value"),
+    (["fit", "poses.csv", "--select", "surfac=abs"], "did you mean 'surface'"),
+    (["fit", "poses.csv", "--select", "surface=abs"], "no such surface: abs; the data have plywood"),
+    (["fit", "poses.csv", "--select", "side=north"], "give a finite number"),
+    (["fit", "poses.csv", "--harmonics", "-1"], "harmonics"),
+    (["fit", "poses.csv", "--format", "gif"], "gif"),
+    (["fit"], "DATA"),
+    (["replay", "isotropic"], "--data"),
+    (["replay", "isotropc", "--data", "."], "isotropc"),
+    (["replay", "isotropic", "--data", "nowhere"], "nowhere"),
+    (["replay", "isotropic", "--data", ".", "--pusher-friction", "-1"], "pusher-friction"),
+    (["sweep", "plywood"], "over"),
+    ([*SWEEP, "--workers", "0"], "x>=1"),
+    (["sweep", "plywood", "--over", "mu_a=0.2:0.3"], "mu_a is a range without a count"),
+    ([*SWEEP, "--export", "xls"], "unknown format to export 'xls'"),
+    ([*SWEEP, "--draw", "tv_from_uniform"], "unknown quantity to draw"),
+    ([*SWEEP, "--tolerance-deg", "-1"], "tolerance must be positive"),
+    ([*SWEEP, "--rotation-tolerance", "-1"], "rotation_tolerance must not be negative"),
+    (["sweep", "--over", "hitch_x_mm=-12:0:5"], "give a material"),
+    (["sweep", "plywood", "--over", "mu_a=0.2:0.3", "--sample", "4", "--over", "mu_a=1:2"], "mu_a is swept twice"),
+    (["watch"], "FILE"),
+    (["watch", "bad.csv"], "bad.csv, line 3: theta0_deg is 'x'; it must be a finite number"),
+    (["watch", "none.csv"], "none.csv: there is no such file"),
+    (["watch", "bad.csv", "--alarm-rate", "0"], "--alarm-rate"),
+    (["watch", "bad.csv", "--alarm-rate", "nan"], "nan is in no range"),
+    (["watch", "bad.csv", "--every", "0"], "--every"),
+    *(([*FOLLOW, wait], "0.01<=x<=86400") for wait in ("inf", "1e12", "86400.1", "0.001", "-1")),
+    ([*FOLLOW, "nan"], "nan is in no range"),
+    (["watch", "bad.csv", "--columns", "yaw"], "give it as theta0=yaw"),
+    (["watch", "own.csv"], "say which, --columns theta0=NAME; it has speed, force"),
+    (["watch", "far.csv"], "far.csv, line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
+    (["watch", "measured.csv", "--protocol", "plain.toml"], "there is no action to choose"),
+    (["watch", "measured.csv", "--material", "plywood"], "--material plywood is for --protocol"),
 ]
 FRICTION = "[friction]\nmu_a = 0.3\nmu_b = 0.3\n"
 
 
 @pytest.mark.parametrize(("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else "")
-def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(refused, arguments, named) -> None:
+def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(here, refused, arguments, named) -> None:
+    for name, text in FILES.items():
+        (here / name).write_text(text)
     refused(arguments, named)
 
 

@@ -61,7 +61,6 @@ def test_bar_appears_only_once_patience_is_over(monkeypatch, patience, shown) ->
 
 
 def test_without_a_terminal_long_work_says_a_line_now_and_then(monkeypatch, capsys) -> None:
-    """Whether it reports what is done of it, or cannot."""
     monkeypatch.setattr(output, "LINE_SECONDS", 0.01)
     lines: list[str] = []
 
@@ -86,7 +85,6 @@ def wait_until(condition) -> None:
 
 @pytest.mark.parametrize("columns", ["60", "100"])
 def test_the_list_of_commands_has_whole_sentences(columns, monkeypatch, capsys) -> None:
-    """Every command's first sentence stands in the help to its end, in lines that fit."""
     monkeypatch.setenv("COLUMNS", columns)
     assert run(["--help"]) == 0
     shown = capsys.readouterr().out
@@ -111,14 +109,12 @@ def told(width: int) -> str:
 
 
 def test_a_table_wider_than_the_terminal_is_told_row_by_row() -> None:
-    """No number is lost, and each stands behind its column's name; with room enough it is a table."""
     narrow = told(50).splitlines()
     assert "number: 1" in narrow and "number: -2.5" in narrow and "name: second" in narrow
     assert "┃" in told(100) and "number:" not in told(100)
 
 
 def test_quiet_says_nothing_and_does_the_same(here, capsys) -> None:
-    """--quiet leaves both streams empty, keeps the results and their JSON, and still tells errors."""
     assert run(["fingerprint", "plywood", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
     assert (here / "out" / "fingerprint_plywood.png").is_file()

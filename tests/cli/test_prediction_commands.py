@@ -4,8 +4,6 @@ import math
 
 import pytest
 
-from cyclemap.cli.main import run
-
 ZONE_KEYS = {"centre_deg", "arc_deg", "kind", "residence_cycles", "log10_residence_cycles"}
 RUN_KEYS = {"seed", "cycles", "climb_deg", "steps", "heights_deg", "dwells"}
 # A ring 9.8 mm from the centre instead of 15: the two fixed points of plywood have met and gone.
@@ -14,12 +12,9 @@ FIVE = ("turn_deg", "offset_amplitude_deg", "offset_phase_deg", "ellipse_amplitu
 
 
 @pytest.mark.slow
-def test_json_tells_prediction_run_and_data_and_nothing_else(
-    here, printed, assert_written, theta0_file, sine_path
-) -> None:
+def test_json_tells_prediction_run_and_data_and_nothing_else(here, saved_report, theta0_file, sine_path) -> None:
     data = theta0_file(here / "measured.csv", sine_path(0.03, 1_500))
-    assert run([*GHOST, "--data", str(data), "--json", "-", "--out", "pictures"]) == 0
-    report, text = printed()
+    report = saved_report("pictures/staircase_plywood", *GHOST, "--data", str(data), "--out", "pictures")
     assert list(report) == ["noise_deg", "prediction", "run", "uncertainty", "data"]
     (zone,) = report["prediction"]["zones"]
     assert set(zone) == ZONE_KEYS and zone["kind"] == "ghost"
@@ -28,20 +23,13 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(
     assert len(report["run"]["heights_deg"]) == report["run"]["steps"] == len(report["run"]["dwells"]) - 1
     assert set(report["data"]) == RUN_KEYS - {"seed"} | {"fitted", "comparison"}
     assert report["data"]["fitted"]["noise_deg"] == pytest.approx(math.degrees(0.03), rel=0.1)
-    assert_written(here / "pictures", "staircase_plywood", text)
-
-
-def test_pairs_without_an_order_are_refused(here, refused) -> None:
-    (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
-    refused(["staircase", "plywood", "--data", "pairs.csv"], "order")
 
 
 @pytest.mark.slow
 def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(
-    here, printed, assert_written
+    saved_report,
 ) -> None:
-    assert run(["fingerprint", "plywood", "--check", "--json", "-"]) == 0
-    report, text = printed()
+    report = saved_report("out/fingerprint_plywood", "fingerprint", "plywood", "--check")
     assert [report[key] for key in FIVE] == pytest.approx([8.0022, 117.279, 129.478, 101.365, -111.061], abs=1e-3)
     assert report["push"]["turn_deg"] + report["drag"]["turn_deg"] == pytest.approx(report["turn_deg"])
     prediction, full = report["prediction"], report["full_map"]["fixed_points"]
@@ -53,7 +41,6 @@ def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full
         assert checked["miss_deg"] <= predicted["error_deg"]
     low, high = prediction["lock_in_scale_range"]
     assert low < prediction["lock_in_scale"] < high < 1.0
-    assert_written(here / "out", "fingerprint_plywood", text)
 
 
 @pytest.mark.slow

@@ -33,9 +33,8 @@ def data(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_json_tells_every_push_its_groups_and_the_files_left_out(data, here, printed, assert_written) -> None:
-    assert run(["replay", "isotropic", "--data", str(data), "--json", "-"]) == 0
-    report, text = printed()
+def test_json_tells_every_push_its_groups_and_the_files_left_out(data, saved_report) -> None:
+    report = saved_report("out/replay_isotropic", "replay", "isotropic", "--data", str(data))
     assert (report["material"], report["pusher_friction"], report["pushes"]) == ("isotropic", 0.25, 2)
     assert [row["error_mm"] for row in report["replays"]] == pytest.approx(list(OFF_MM), abs=0.01)
     assert [row["speed_mm_s"] for row in report["replays"]] == pytest.approx([100.0, 100.0])
@@ -44,7 +43,6 @@ def test_json_tells_every_push_its_groups_and_the_files_left_out(data, here, pri
     assert group["mean_error_mm"] == report["mean_error_mm"] == pytest.approx(2.0, abs=0.01)
     assert [row["count"] for row in report["by_speed"]] == [2]
     assert [entry["reason"][:8] for entry in report["not_replayed"]] == ["not JSON"]
-    assert_written(here / "out", "replay_isotropic", text)
 
 
 @pytest.mark.slow
@@ -65,15 +63,5 @@ def test_the_rods_friction_changes_the_replay(data, here, report_of) -> None:
     assert sticking < 0.01 and sliding > 0.5
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "told"),
-    [
-        (["isotropic"], 2, "--data"),
-        (["isotropc", "--data", "."], 2, "isotropc"),
-        (["isotropic", "--data", "nowhere"], 2, "nowhere"),
-        (["isotropic", "--data", "{data}/cut.json"], 1, "no push could be replayed"),
-        (["isotropic", "--data", "{data}", "--pusher-friction", "-1"], 2, "pusher-friction"),
-    ],
-)
-def test_bad_use_is_one_line_and_no_file(data, refused, arguments, code, told) -> None:
-    refused(["replay", *(part.format(data=data) for part in arguments)], told, code)
+def test_data_without_a_push_are_a_failure(data, refused) -> None:
+    refused(["replay", "isotropic", "--data", str(data / "cut.json")], "no push could be replayed", 1)

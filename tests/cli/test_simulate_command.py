@@ -55,7 +55,6 @@ def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path
 
 
 def test_a_folder_that_cannot_be_used_is_refused_by_name(here, refused) -> None:
-    """Begun with other arguments it is bad use; one that cannot be made is a failure."""
     assert simulate(here / "made") == 0
     refused(["simulate", "plywood", "--cycles", "3", "--out", "made", "--seed", "7"], "seed is 0 there and 7 here")
     (here / "file").write_text("in the way")
@@ -63,7 +62,6 @@ def test_a_folder_that_cannot_be_used_is_refused_by_name(here, refused) -> None:
 
 
 def test_a_material_that_knows_its_noise_scatters_by_it_unless_told_otherwise(tmp_path, capsys) -> None:
-    """What was asked is written down: the noise of the material, or the one given."""
     asked = ["simulate", "plywood-measured", "--cycles", "2", "--out"]
     assert run([*asked, str(tmp_path / "own")]) == 0
     assert run([*asked, str(tmp_path / "told"), "--noise-deg", "2"]) == 0

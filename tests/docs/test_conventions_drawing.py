@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from drawn_words import assert_words_apart, words_of_figure
 
+import cyclemap as cm
 from cyclemap.views.style import picture_style
 
 MODULE = Path(__file__).parents[2] / "docs" / "_figures" / "conventions.py"
@@ -20,13 +21,9 @@ def conventions():
     return module
 
 
-@pytest.fixture(scope="module")
-def drawing(conventions):
+def test_frames_angles_sides_and_displacements_are_named(conventions):
     with picture_style():
-        return conventions.draw()
-
-
-def test_frames_angles_sides_and_displacements_are_named(drawing):
+        drawing = conventions.draw()
     assert_words_apart(drawing)
     words = " ".join(text.get_text() for text in words_of_figure(drawing))
     named = (
@@ -44,9 +41,6 @@ def test_frames_angles_sides_and_displacements_are_named(drawing):
 
 
 def test_the_drawn_turn_is_counter_clockwise_and_the_push_moves_the_object_down(conventions):
-    """What the signs on the page say of a push on side 0."""
-    import cyclemap as cm
-
     cycle = cm.CollectionLoop.mit(material="plywood").cycle(conventions.THETA0)
     assert cycle.push_turn > 0 > cycle.drag_turn
     assert cycle.push_displacement[0] > 0 > cycle.push_displacement[1]

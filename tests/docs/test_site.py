@@ -99,22 +99,16 @@ def test_every_link_anchor_picture_and_file_inside_the_site_is_there(pages):
     assert astray == set()
 
 
-def test_pages_load_nothing_from_elsewhere(pages):
-    """The site is read without a network."""
+def test_pages_and_style_sheets_load_nothing_from_elsewhere(pages, site):
     loads = [reference for read in pages.values() for reference in read.loads]
     assert len(loads) > 200
     assert [reference for reference in loads if urlsplit(reference).scheme or urlsplit(reference).netloc] == []
-
-
-def test_style_sheets_load_nothing_from_elsewhere(site):
-    sheets = sorted(site.rglob("*.css"))
+    sheets = {sheet.name: sheet.read_text(encoding="utf-8") for sheet in site.rglob("*.css")}
     assert len(sheets) >= 3
-    for sheet in sheets:
-        assert re.findall(r"(?:@import|url\()\s*['\"]?(?:https?:)?//", sheet.read_text(encoding="utf-8")) == [], sheet
+    assert [name for name, text in sheets.items() if re.search(r"(?:@import|url\()\s*['\"]?(?:https?:)?//", text)] == []
 
 
-def test_every_public_name_is_in_the_reference(pages):
-    """Each name of the package and of its rooms has an entry of its own that can be linked to."""
+def test_every_public_name_and_command_is_in_the_reference(pages):
     anchors = {name for read in pages.values() for name in read.anchors}
     rooms = {name for name in cm.__all__ if inspect.ismodule(getattr(cm, name))}
     assert len(rooms) == 7
@@ -122,28 +116,15 @@ def test_every_public_name_is_in_the_reference(pages):
     for room in rooms - {"views"}:
         paths |= {f"cyclemap.{room}.{name}" for name in getattr(cm, room).__all__ if name not in cm.__all__}
     assert len(paths) > 300
-    assert sorted(paths - anchors) == []
-
-
-def test_every_command_is_in_the_reference(pages, site):
-    anchors = pages[site / "reference" / "command-line.html"].anchors
     assert len(cli.commands) >= 8
-    assert [name for name in cli.commands if f"cyclemap-{name}" not in anchors] == []
+    assert sorted((paths | {f"cyclemap-{name}" for name in cli.commands}) - anchors) == []
 
 
-def test_formulas_are_well_formed_mathml(site):
-    formulas = [
-        formula
-        for page in site.rglob("*.html")
-        for formula in re.findall(r"<math .*?</math>", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    ]
-    assert len(formulas) > 100
-    for formula in formulas:
-        assert ElementTree.fromstring(formula).tag.endswith("math")
-
-
-def test_no_page_shows_markup_that_was_not_understood(site):
-    """A role or a formula that came through as text."""
+def test_formulas_are_well_formed_and_no_role_or_formula_comes_through_as_text(site):
+    formulas = []
     for page in site.rglob("*.html"):
-        words = re.sub(r"<(script|pre|style)\b.*?</\1>|<[^>]+>", " ", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        text = page.read_text(encoding="utf-8")
+        formulas += [ElementTree.fromstring(one) for one in re.findall(r"<math .*?</math>", text, flags=re.DOTALL)]
+        words = re.sub(r"<(script|pre|style)\b.*?</\1>|<[^>]+>", " ", text, flags=re.DOTALL)
         assert not re.search(r":py:\w+:|\{py:|\{doc\}|\$\$|``", words), page
+    assert len(formulas) > 100 and all(formula.tag.endswith("math") for formula in formulas)

@@ -34,23 +34,11 @@ def test_what_is_no_known_formula_is_refused(latex: str) -> None:
 
 
 def test_docstrings_become_lists_rubrics_formulas_and_examples() -> None:
-    words = [
-        "What it is, with a*b and x_n.",
-        "",
-        "Parameters",
-        "----------",
-        "first, second : m, of `CircleMap`. third : how",
-        "    many.",
-        "",
-        "    h(v) = s * v",
-        "",
-        "- one",
-        "- two",
-        "",
-        ">>> 1 + 1",
-        "2",
-    ]
-    text = "\n".join(house_to_rest(words))
+    words = (
+        "What it is, with a*b and x_n.\n\nParameters\n----------\nfirst, second : m, of `CircleMap`. third : how\n"
+        "    many.\n\n    h(v) = s * v\n\n- one\n- two\n\n>>> 1 + 1\n2"
+    )
+    text = "\n".join(house_to_rest(words.split("\n")))
     assert r"with a\*b and x\_n." in text
     assert ".. rubric:: Parameters" in text
     assert "* **first, second** : m, of :py:obj:`~cyclemap.CircleMap`.\n* **third** : how many." in text

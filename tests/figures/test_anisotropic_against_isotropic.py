@@ -10,7 +10,6 @@ NAME = "anisotropic-against-isotropic"
 
 @pytest.mark.slow
 def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distance(result) -> None:
-    """A third of a turn apart at first, the batches near the stable point close in: their distance falls."""
     unit = np.exp(1j * result.anisotropic.theta)
     # |mean of unit vectors| is 0 for evenly spread directions and 1 for equal ones.
     together = np.abs(unit.mean(axis=0))
@@ -26,9 +25,3 @@ def test_in_the_objects_frame_isotropic_paths_are_one_and_anisotropic_ones_sprea
     text = anisotropic_against_isotropic.caption(result)
     assert "all 15 paths are one" in text and "the 15 paths spread by up to" in text
     assert "dynamic simulation at 20 mm/s; 15 cycles: 3 batches of 5" in text
-
-
-def test_both_laws_are_drawn_in_one_window_a_frame(result) -> None:
-    figure = anisotropic_against_isotropic.draw(result)
-    for left, right in (figure.axes[:2], figure.axes[2:]):
-        assert left.get_xlim() == right.get_xlim() and left.get_ylim() == right.get_ylim()

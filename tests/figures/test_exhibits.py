@@ -21,6 +21,13 @@ FIGURES = {
     "wear-drift": (3, True),
 }
 QUICK = 4
+# Of setup-and-cycle an independent solver has +72.409 and -49.512 degrees at θ0 = 270 degrees on Table I's plywood.
+TOLD = {
+    "setup-and-cycle": ("90 mm", "150 mm", "18 mm", "15 mm", "270°", "72.4°", "-49.5°", "292.9°"),
+    "fingerprint": ("Ω 8.00°", "59.4° ± 21.1°", "3.8° away, within that error", "power 2.0", "21.3 mm"),
+    "saddle-node": ("9.793 mm", "13 mm", "162.", "square root"),
+    "locking-in": ("38°", "63°", "20 cycles"),
+}
 
 
 @pytest.mark.parametrize(
@@ -33,3 +40,10 @@ def test_a_figure_is_drawn_without_measured_data_and_its_caption_tells_so(name) 
     assert_drawn(figure, panels)
     assert NO_DATA not in words_of(figure).lower()
     assert (NO_DATA in exhibit.caption(result).lower()) == measured
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TOLD)
+def test_a_caption_tells_the_numbers_of_its_result(name) -> None:
+    caption = load_exhibit(name).caption(small(name))
+    assert [words for words in TOLD[name] if words not in caption] == []

@@ -45,7 +45,6 @@ def test_the_predicted_ratio_is_the_friction_while_sliding_and_less_while_sticki
 
 
 def test_the_push_slides_one_way_sticks_and_slides_the_other_way(result) -> None:
-    """As in the paper's push: the ratio goes from one bound to the other, once, falling all the while."""
     found = result.predicted
     assert found.ratio[0] == pytest.approx(0.15) and found.ratio[-1] == pytest.approx(-0.15)
     assert np.all(np.diff(found.ratio) <= 1e-7)

@@ -27,7 +27,6 @@ def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_br
 
 
 def test_there_is_a_picture_for_every_moment_that_was_asked_for(result) -> None:
-    """Five of the first cycle, four of the last, one of each between."""
     assert len(result.moments) == 5 + 4 + (result.cycles - 2)
     assert [moment.cycle for moment in result.moments] == sorted(moment.cycle for moment in result.moments)
     assert result.moments[-1].seconds > 1.0
@@ -45,28 +44,11 @@ def test_the_object_keeps_its_size_and_every_drag_ends_with_the_ring_on_the_targ
 
 
 @pytest.mark.slow
-def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
+def test_every_moment_is_a_frame_that_differs_from_the_one_before_it(result) -> None:
     frames = list(locking_in.frames(result))
-    assert len(frames) == len(result.moments)
+    assert [frame.seconds for frame in frames] == [moment.seconds for moment in result.moments]
     assert {frame.pixels.shape for frame in frames} == {(410, 720, 3)}
-    picture = Image.open(io.BytesIO(animated_gif(frames)))
-    assert picture.format == "GIF"
-    assert picture.n_frames == len(frames)
-    lasted, seen = 0.0, []
-    for number in range(picture.n_frames):
-        picture.seek(number)
-        lasted += picture.info["duration"] / 1000
-        seen.append(np.asarray(picture.convert("RGB"), dtype=float))
-    assert lasted == pytest.approx(sum(moment.seconds for moment in result.moments), abs=0.01)
-    assert all(np.abs(one - other).max() > 50 for one, other in pairwise(seen))
-    assert seen[0][5, 400].tolist() == [255.0, 255.0, 255.0]
-    assert np.abs(seen[-1] - frames[-1].pixels).mean() < 3.0
-
-
-def test_the_caption_tells_start_end_and_cycles(result) -> None:
-    caption = locking_in.caption(result)
-    for part in ("38°", "63°", f"{result.cycles} cycles"):
-        assert part in caption
+    assert all(np.ptp(one.pixels.astype(int) - other.pixels) > 50 for one, other in pairwise(frames))
 
 
 def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:

@@ -55,7 +55,6 @@ def test_array_scalar_slope_and_parametric_form_are_one_function(family) -> None
 
 
 def test_two_parameters_agree_with_one(family) -> None:
-    """A second parameter held at a node leaves the family of the first."""
     both = loop_family(
         lambda radius, scale: with_anisotropy_times(RINGS(radius), scale), ((0.0095, 0.0105), (0.5, 1.0)), (3, 2), 24
     )

@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from figure_cases import RECORDED_ABS, RECORDED_PLYWOOD, recorded_folder, recorded_loop
+from figure_cases import RECORDED_ABS, RECORDED_PLYWOOD, recorded_folder
 
 from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
@@ -23,16 +23,6 @@ def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
     assert counts["abs"].pushes.count == RECORDED_ABS and counts["plywood"].pushes.count == RECORDED_PLYWOOD
     assert counts["delrin"] is None and counts["pu"] is None
     assert counts["abs"].unreadable == 0
-
-
-def test_recorded_pushes_are_those_of_the_loop_that_made_the_files(recorded) -> None:
-    pushes = measured_run(recorded, "abs").pushes
-    direct = recorded_loop("abs").cycles(pushes.theta[:3])
-    assert pushes.dtheta[:3] == pytest.approx(direct.push_turn, abs=1e-4)
-    assert pushes.dx[:3] == pytest.approx(direct.push_displacement[:, 0], abs=1e-6)
-
-
-def test_theta0_of_a_set_is_its_path(recorded) -> None:
     pairs = measured_theta0(recorded, "abs")
     assert pairs.path.size == RECORDED_ABS and pairs.theta.size == RECORDED_ABS - 1
     assert measured_theta0(recorded, "pu") is None

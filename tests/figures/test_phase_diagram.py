@@ -26,7 +26,6 @@ def test_at_the_tip_of_the_tongue_isotropic_friction_turns_the_object_by_nothing
 
 
 def test_the_grid_is_locked_between_the_edges_and_winds_outside(result) -> None:
-    """On both sides of both edges, and the locked places have one stable direction each."""
     locked = result.plane.period == 1
     assert 20 < locked.sum() < locked.size - 20
     assert np.all(result.stable[locked] == 1)

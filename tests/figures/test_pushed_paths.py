@@ -14,19 +14,22 @@ from cyclemap.figures.pushed_paths import (
     paths_from_measured_theta0,
     paths_on_four_surfaces,
     recorded_paths,
-    simulated_paths,
 )
+
+
+def assert_ends(paths, loop: CollectionLoop, pushes) -> None:
+    """Paths end in both frames where the cycles of the loop end their pushes."""
+    for push in pushes:
+        cycle = loop.cycle(float(paths.theta0[push]))
+        assert paths.turn[push] == pytest.approx(cycle.push_turn, abs=1e-4)
+        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
 
 
 @pytest.mark.parametrize("number", [1, 3])
 def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> None:
     paths = small("trajectories-object-frame")[number]
-    loop = CollectionLoop.mit(paths.material)
-    for push in (0, DRAWN // 2, DRAWN - 1):
-        cycle = loop.cycle(float(paths.theta0[push]))
-        assert paths.turn[push] == pytest.approx(cycle.push_turn, abs=1e-4)
-        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
-        assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
+    assert_ends(paths, CollectionLoop.mit(paths.material), (0, DRAWN // 2, DRAWN - 1))
 
 
 def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> None:
@@ -47,25 +50,13 @@ def test_both_frames_tell_the_same_path_turned_by_theta0() -> None:
         assert np.all(paths.object_frame[:, 0] == 0.0)
 
 
-def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch) -> None:
-    monkeypatch.setattr("cyclemap.figures.pushed_paths.STANDS_FOR", {"pu": "isotropic"})
-    paths = simulated_paths.__wrapped__("pu", 60, 8)
-    assert len(np.unique(paths.theta0)) == 8
-    assert np.ptp(paths.object_frame, axis=0).max() < 1e-6
-    assert np.ptp(paths.robot_frame[:, -1], axis=0).min() > 0.05
-
-
 @pytest.mark.slow
 def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_factory) -> None:
     measured = recorded_plywood(tmp_path_factory)
     paths = recorded_paths(measured, "plywood", 5)
     assert paths is not None
     assert paths.theta0.shape == (5,) and paths.orientations.shape == (RECORDED,)
-    loop = CollectionLoop.mit("plywood")
-    for push in range(5):
-        cycle = loop.cycle(float(paths.theta0[push]))
-        assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
-        assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
+    assert_ends(paths, CollectionLoop.mit("plywood"), range(5))
     surfaces = paths_on_four_surfaces(measured, CYCLES, DRAWN)
     assert [one.origin for one in surfaces] == ["recorded", "simulated", "simulated", "simulated"]
 
@@ -94,7 +85,6 @@ def test_measured_orientations_are_pushed_on_the_floor_as_worn_as_it_then_was(me
 
 
 def test_chords_of_a_circle_cross_exactly_when_their_ends_alternate() -> None:
-    """Every pair of chords of random points on a circle, by the order of the four ends round it."""
     angle = np.random.default_rng(3).uniform(0.0, 2 * np.pi, (24, 2))
     chords = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     low, high = np.sort(angle, axis=1).T

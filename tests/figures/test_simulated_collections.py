@@ -51,7 +51,6 @@ def test_the_orientations_scatter_about_the_map_by_the_noise_of_a_cycle(pu) -> N
 
 
 def test_derivatives_by_the_friction_offset_are_those_of_cycles_run_on_a_changed_surface(pu) -> None:
-    """Differences of whole cycles, run with the centre of the ellipse moved, give the scatter's derivatives."""
     theta, step = 2 * np.pi * 8 / 36, 1e-4
     (exact,) = pu.states[0].slopes(np.array([theta]))
     for column, name in enumerate(("m0", "n0")):
@@ -109,10 +108,7 @@ def test_runs_start_where_the_paper_says_and_are_computed_once() -> None:
     assert one is sampled_run("pu", SMALL) and fitted_laws(one.pushes) is fitted_laws(one.pushes)
 
 
-@pytest.mark.parametrize("options", [{"pushes": 1}, {"states": 1}, {"tolerance": 0.0}])
-def test_bad_sampling_is_refused_with_its_name(options) -> None:
-    refused(Sampling, told=next(iter(options)), **options)
-
-
-def test_a_material_of_which_nothing_is_published_is_refused() -> None:
+def test_bad_sampling_and_a_material_of_which_nothing_is_published_are_refused() -> None:
+    for name, value in (("pushes", 1), ("states", 1), ("tolerance", 0.0)):
+        refused(Sampling, told=name, **{name: value})
     refused(sampled_run, "isotropic", SMALL, told=r"material of Ma & Rodriguez \(2018\).*isotropic")

@@ -59,11 +59,8 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
     assert "95°" in staircase_bottleneck.caption(both)
 
 
-def test_measured_pairs_without_an_order_are_refused(tmp_path) -> None:
+def test_measured_pairs_without_an_order_and_a_map_without_bottleneck_are_refused(tmp_path) -> None:
     (tmp_path / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
     refused(measured_bottleneck, tmp_path / "pairs.csv", told="no known order")
-
-
-def test_a_map_without_bottleneck_is_refused() -> None:
     turn, path = CircleMap.rigid(0.1), sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta
     refused(bottleneck, "a rotation", turn, 0.1, path, told="no bottleneck", kind=ConvergenceError)

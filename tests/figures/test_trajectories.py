@@ -79,7 +79,6 @@ def test_arcs_are_found_across_zero_and_nowhere_where_all_directions_are_alike()
 @pytest.mark.parametrize("origin", ["simulated", "recorded", "from measured θ0"])
 @pytest.mark.parametrize("name", [OBJECT, ROBOT])
 def test_captions_and_panels_tell_where_pushes_come_from(name, origin, tmp_path_factory, request) -> None:
-    """Simulated ones, recorded ones in their place, or from measured θ0, where they start as the robot's did."""
     if origin == "recorded":
         measured = recorded_plywood(tmp_path_factory)
     else:

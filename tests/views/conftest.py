@@ -49,22 +49,30 @@ def browser_path():
 
 @pytest.fixture
 def open_page():
-    """Open a page of a real browser: the page, the words of its console and its faults, and what it asks for."""
+    """Open a page of a real browser: at last it fits windows wide and narrow, had no trouble, asked nothing outside."""
     if browser_path() is None:
         pytest.skip("no Chromium found: pages are not tested in a browser; install chromium")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser; install it")
     with playwright.sync_playwright() as driver:
         arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
         browser = driver.chromium.launch(executable_path=browser_path(), args=arguments)
+        pages, troubles, asked = [], [], []
 
-        def opened(**options):
+        def opened(address, **options):
             page = browser.new_page(viewport={"width": 1400, "height": 1000}, **options)
+            pages.append(page)
             page.set_default_timeout(120_000)
-            troubles, asked = [], []
             page.on("console", lambda message: troubles.append(message.text))
             page.on("pageerror", lambda error: troubles.append(str(error)))
-            page.on("request", lambda one: asked.append(one.url))
-            return page, troubles, asked
+            home = address.partition("#")[0] if address.startswith("http") else "file:"
+            page.on("request", lambda one: None if one.url.startswith((home, "data:")) else asked.append(one.url))
+            page.goto(address)
+            return page
 
         yield opened
+        for page in pages:
+            for width in (1400, 420):
+                page.set_viewport_size({"width": width, "height": 900})
+                assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        assert troubles == asked == []
         browser.close()

@@ -67,7 +67,6 @@ def with_few_samples(name: str) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MATERIALS)
 def test_every_picture_of_a_material_can_be_read(name: str, drawn: list[Figure]) -> None:
-    """By the renderer's boxes: words apart, all within the picture; each command draws one, none writes a hyphen."""
     material = with_few_samples(name)
     assert run(["simulate", material, "--cycles", "40", "--start-deg", "20", "--out", "data"]) == 0
     theta = np.degrees(np.loadtxt("data/true_theta0.txt", usecols=1))

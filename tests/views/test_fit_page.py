@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn_words import assert_words_apart
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import PushSet, SetFit, Theta0Pairs, fit_set
@@ -56,9 +57,7 @@ def test_every_page_has_its_rows_of_panels_which_lie_apart(whole, motion, angles
         figure = fit_page(fit)
         assert render(figure, dpi=36).startswith(b"\x89PNG")
         assert [axes.get_title(loc="left") for axes in figure.axes] == titles
-        boxes = [axes.get_tightbbox(figure.canvas.get_renderer()) for axes in figure.axes]
-        assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[k + 1 :])
-        assert not any(text.get_window_extent().overlaps(box) for text in figure.texts for box in boxes)
+        assert_words_apart(figure)
 
 
 def test_sentences_carry_the_numbers(whole) -> None:
@@ -96,7 +95,6 @@ def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:
 
 
 def test_curves_and_words_keep_to_the_orientations_that_were_measured() -> None:
-    """Pushes from a quarter of the circle: no line elsewhere, and the arc is told."""
     theta = np.random.default_rng(2).uniform(0.5, 2.0, 120)
     pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.cos(theta) + 0.02 * np.random.default_rng(3).standard_normal(120))
     fit = fit_set(made_set(pairs))

@@ -89,7 +89,6 @@ def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> Non
 
 
 def test_of_many_plates_a_panel_shows_how_each_presses_and_intervals_are_those_they_share() -> None:
-    """The bars of a plate add up to its whole weight; what belongs to one plate has no row among the intervals."""
     rest = Parameter("rim_share", "share on the rim", "1", 0.0, 1.0, 0.3, 0.2, 0.0)
 
     def block(plate: str, share: float) -> DataBlock:
@@ -142,7 +141,6 @@ def test_no_headline_is_sharper_than_its_interval(found) -> None:
 
 
 def test_errors_of_places_and_forces_are_distances(found) -> None:
-    """Of two pushes and 24 scans, each one error: the length of the vector from measured to predicted."""
     errors = {one.kind: one for one in found.errors}
     places = found.fit.residuals[found.problem.kinds == "push place (m)"].reshape(-1, 2)
     forces = found.fit.residuals[found.problem.kinds == "scan force (N)"].reshape(-1, 2)

@@ -12,22 +12,12 @@ from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
-from cyclemap.maps import Estimate, fixed_points
+from cyclemap.maps import Estimate
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences, style
 from cyclemap.views.style import render
 
 CASES = [("locked", False), ("locked", True), ("rotating", True), ("jumping", False)]
-
-
-@pytest.mark.slow
-def test_densities_are_per_degree(drawn) -> None:
-    page = drawn("rotating", True)[1]
-    (axes,) = [axes for axes in page.axes if axes.get_title(loc="left") == "Directions recorded"]
-    line = next(line for line in axes.lines if line.get_label() == "predicted")
-    assert np.trapezoid(line.get_ydata(), line.get_xdata()) == pytest.approx(1.0, abs=1e-5)
-    measured = axes.patches[0].get_data()
-    assert np.sum(measured.values * np.diff(measured.edges)) == pytest.approx(1.0)
 
 
 @pytest.mark.slow
@@ -47,7 +37,6 @@ def test_predicted_and_measured_differ_in_a_grey_print() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("picture_format", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_each_format_is_what_it_says_and_comes_out_the_same_twice(drawn, picture_format, start) -> None:
-    """A PNG has the shape of a talk's slide and is small; other formats are refused."""
     page = drawn("locked")[1]
     picture = render(page, picture_format)
     assert picture.startswith(start) and render(page, picture_format) == picture
@@ -80,7 +69,6 @@ def test_headline_and_sentence_tell_where_it_locks_and_how_fast_or_the_pace(draw
 
 
 def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
-    """The stable point stays for 45 cycles on average: the run of 200 is told as resting, one of 40 as locked."""
     found = drawn("locked")[0]
     (zone,) = found.prediction.zones
     short = replace(found.prediction, zones=(replace(zone, residence_cycles=Estimate(45.0, 0.1)),))
@@ -93,20 +81,7 @@ def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
 
 
 @pytest.mark.slow
-def test_near_the_saddle_node_the_ring_at_9_8_mm_rests_and_does_not_lock() -> None:
-    """The fixed points, 160.9° among them, are still there, and noise carries θ0 off in 45 cycles."""
-    base = CollectionLoop.mit("plywood")
-    loop = CollectionLoop.from_settings({"hitch_x_mm": -6.93, "hitch_y_mm": 6.93}, base)
-    found = portrait(loop, tolerance=1e-5)
-    assert len(found.fixed_points) == 2
-    assert sentences.headline(found) == f"plywood rests at {both(160.9)}, for 45 cycles at a time"
-    gone = CollectionLoop.from_settings({"hitch_x_mm": -6.9, "hitch_y_mm": 6.9}, base)
-    assert not fixed_points(gone.circle_map(tolerance=1e-5))
-
-
-@pytest.mark.slow
 def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None:
-    """plywood-measured: one stable point when fresh, 17.5 turns measured and some 16 made as it wears."""
     found = portrait(CollectionLoop.mit("plywood-measured"), tolerance=1e-4, sigma=math.radians(1.0))
     assert found.drifting is not None and found.worn is not None
     said = sentences.headline(found)

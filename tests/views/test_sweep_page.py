@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import RotationPlane
-from cyclemap.mechanics import MIT_HITCH
 from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
 from cyclemap.views.rotation_panels import cell_edges
 from cyclemap.views.style import render
@@ -73,10 +72,7 @@ def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
 def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
     sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
     points, _ = panels(page_of(sweep))
-    unstable, stable, refused = points.lines[:3]
-    assert stable.get_xdata() == pytest.approx([0.2, 0.21, 0.22, 0.23, 0.24])
-    assert unstable.get_ydata() == pytest.approx(np.degrees(2.0 + np.arange(5) / 10))
-    assert refused.get_xdata() == pytest.approx([0.3])
+    assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], "unstable, stable and refused points"
     assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith("4 of 11 points over friction μa")
 
 
@@ -140,12 +136,3 @@ def test_a_tongue_that_is_one_cell_wide_at_a_place_is_not_cut_in_two() -> None:
 @pytest.mark.parametrize("corner", [np.s_[:2, :2], np.s_[:2, -2:], np.s_[-2:, :2], np.s_[-2:, -2:]])
 def test_a_tongue_in_a_corner_stays(corner) -> None:
     assert np.count_nonzero(without_specks(plane(60, {2: corner})).period) == 4
-
-
-def test_a_plane_of_rings_shows_the_object_and_mits_ring(swept) -> None:
-    over = {"hitch_x_mm": (-12.0, -8.0, -4.0), "hitch_y_mm": (-12.0, 0.0, 12.0)}
-    axes = panels(page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS))))[0]
-    outline, star = axes.lines[-2:]
-    assert np.ptp(outline.get_xydata(), axis=0) == pytest.approx([90.0, 90.0])
-    assert all(axes.viewLim.contains(*corner) for corner in outline.get_xydata())
-    assert star.get_xydata()[0] == pytest.approx(1000.0 * np.array(MIT_HITCH))

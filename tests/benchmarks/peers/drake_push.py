@@ -4,27 +4,7 @@ import logging
 from importlib.metadata import version
 
 import numpy as np
-from pydrake.all import (
-    AddContactMaterial,
-    AddMultibodyPlant,
-    Box,
-    CollisionFilterDeclaration,
-    CoulombFriction,
-    DiagramBuilder,
-    GeometrySet,
-    HalfSpace,
-    MultibodyPlant,
-    MultibodyPlantConfig,
-    PrismaticJoint,
-    ProximityProperties,
-    RevoluteJoint,
-    RigidBody,
-    RigidTransform,
-    SpatialInertia,
-    Sphere,
-    UnitInertia,
-)
-from pydrake.all import Simulator as DrakeSimulator
+from pydrake import all as drake
 
 from cyclemap.mechanics import Pose, SidePush
 from tests.benchmarks.peers.push_problem import CORNERS, EndPose, PushProblem, Simulator
@@ -51,9 +31,9 @@ class DrakePush:
     def __init__(self, problem: PushProblem, step: float = STEP) -> None:
         assert problem.friction.mu_a == problem.friction.mu_b and problem.friction.m0 == problem.friction.n0 == 0.0
         self.problem, self.step = problem, step
-        builder = DiagramBuilder()
+        builder = drake.DiagramBuilder()
         self.plant = _plant(builder, problem, step)
-        self.simulator = DrakeSimulator(builder.Build())
+        self.simulator = drake.Simulator(builder.Build())
         self._context = self.plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
         # The height at which the plate rests, m, the rod out of its way.
         self._rest = 0.0
@@ -77,68 +57,69 @@ class DrakePush:
         self.simulator.Initialize()
 
 
-def _plant(builder: DiagramBuilder, problem: PushProblem, step: float) -> MultibodyPlant:
+def _plant(builder: drake.DiagramBuilder, problem: PushProblem, step: float) -> drake.MultibodyPlant:
     """Plate and rod above the floor; what does not take part in the push is kept from touching."""
-    config = MultibodyPlantConfig(
+    config = drake.MultibodyPlantConfig(
         time_step=step,
         contact_model="point",
         discrete_contact_approximation=SOLVER,
         stiction_tolerance=STICTION,
     )
-    plant, scene = AddMultibodyPlant(config, builder)
+    plant, scene = drake.AddMultibodyPlant(config, builder)
     plate, rod = _bodies(plant, problem)
     points, _ = problem.footprint.quadrature
     floor_touch = _properties(FLOOR_STIFFNESS, problem.friction.mu_a)
     rod_touch = _properties(ROD_STIFFNESS, problem.pusher.friction)
     half = float(np.abs(points).max())
-    floor = plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "floor", floor_touch)
+    register, middle = plant.RegisterCollisionGeometry, drake.RigidTransform()
+    floor = register(plant.world_body(), middle, drake.HalfSpace(), "floor", floor_touch)
     feet = [
-        plant.RegisterCollisionGeometry(plate, RigidTransform([x, y, _FOOT]), Sphere(_FOOT), f"foot{i}", floor_touch)
+        register(plate, drake.RigidTransform([x, y, _FOOT]), drake.Sphere(_FOOT), f"foot{i}", floor_touch)
         for i, (x, y) in enumerate(points.tolist())
     ]
-    box = plant.RegisterCollisionGeometry(plate, RigidTransform(), Box(2 * half, 2 * half, 2 * half), "box", rod_touch)
-    tip = plant.RegisterCollisionGeometry(rod, RigidTransform(), Sphere(problem.pusher.radius), "rod", rod_touch)
-    apart = CollisionFilterDeclaration()
-    apart.ExcludeBetween(GeometrySet([floor, *feet]), GeometrySet([tip]))
-    apart.ExcludeBetween(GeometrySet([floor]), GeometrySet([box]))
+    box = register(plate, middle, drake.Box(2 * half, 2 * half, 2 * half), "box", rod_touch)
+    tip = register(rod, middle, drake.Sphere(problem.pusher.radius), "rod", rod_touch)
+    apart = drake.CollisionFilterDeclaration()
+    apart.ExcludeBetween(drake.GeometrySet([floor, *feet]), drake.GeometrySet([tip]))
+    apart.ExcludeBetween(drake.GeometrySet([floor]), drake.GeometrySet([box]))
     scene.collision_filter_manager().Apply(apart)
     plant.Finalize()
     return plant
 
 
-def _bodies(plant: MultibodyPlant, problem: PushProblem) -> tuple[RigidBody, RigidBody]:
+def _bodies(plant: drake.MultibodyPlant, problem: PushProblem) -> tuple[drake.RigidBody, drake.RigidBody]:
     """Plate (along x, y, z, and turning about z) and rod (along x, y); what carries them in between weighs nothing."""
     inertia, mass = problem.slider.inertia, problem.slider.mass
     assert inertia is not None
     gyration = inertia / mass
     plate = plant.AddRigidBody(
-        "plate", SpatialInertia(mass, np.zeros(3), UnitInertia(gyration / 2.0, gyration / 2.0, gyration))
+        "plate", drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia(gyration / 2.0, gyration / 2.0, gyration))
     )
-    rod = plant.AddRigidBody("rod", SpatialInertia(_ROD_MASS, np.zeros(3), UnitInertia.SolidSphere(0.01)))
+    rod = plant.AddRigidBody("rod", drake.SpatialInertia(_ROD_MASS, np.zeros(3), drake.UnitInertia.SolidSphere(0.01)))
     carried = _carried(plant, "plate", 3)
-    plant.AddJoint(RevoluteJoint("plate_turn", carried.body_frame(), plate.body_frame(), [0.0, 0.0, 1.0]))
+    plant.AddJoint(drake.RevoluteJoint("plate_turn", carried.body_frame(), plate.body_frame(), [0.0, 0.0, 1.0]))
     between = _carried(plant, "rod", 1)
-    plant.AddJoint(PrismaticJoint("rod_y", between.body_frame(), rod.body_frame(), [0.0, 1.0, 0.0]))
+    plant.AddJoint(drake.PrismaticJoint("rod_y", between.body_frame(), rod.body_frame(), [0.0, 1.0, 0.0]))
     return plate, rod
 
 
-def _carried(plant: MultibodyPlant, name: str, axes: int) -> RigidBody:
+def _carried(plant: drake.MultibodyPlant, name: str, axes: int) -> drake.RigidBody:
     """The last of so many weightless bodies that slide on each other along x, y, z."""
     last = plant.world_body()
     for axis in np.eye(3)[:axes]:
         label = f"{name}_{'xyz'[int(axis.argmax())]}"
-        body = plant.AddRigidBody(label, SpatialInertia.Zero())
-        plant.AddJoint(PrismaticJoint(label, last.body_frame(), body.body_frame(), axis))
+        body = plant.AddRigidBody(label, drake.SpatialInertia.Zero())
+        plant.AddJoint(drake.PrismaticJoint(label, last.body_frame(), body.body_frame(), axis))
         last = body
     return last
 
 
-def _properties(stiffness: float, friction: float) -> ProximityProperties:
-    properties = ProximityProperties()
-    AddContactMaterial(
+def _properties(stiffness: float, friction: float) -> drake.ProximityProperties:
+    properties = drake.ProximityProperties()
+    drake.AddContactMaterial(
         dissipation=DISSIPATION,
         point_stiffness=2.0 * stiffness,
-        friction=CoulombFriction(friction, friction),
+        friction=drake.CoulombFriction(friction, friction),
         properties=properties,
     )
     return properties
