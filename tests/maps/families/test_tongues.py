@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
 from tests.maps.known_maps import contraction, plateau
 
@@ -226,33 +226,3 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
             assert abs(single.right - curves.right[i, j]) <= single.right.error_bound + curves.right_error[i, j]
     assert np.array_equal(np.any(curves.folded, axis=0), strengths > 1)
     assert np.all(np.diff(curves.right - curves.left, axis=1) > 0)
-
-
-@pytest.mark.parametrize(
-    ("family", "ratio", "within", "words"),
-    [
-        (arnold(0.9), (2, 4), WIDE, "lowest terms"),
-        (arnold(0.9), (1, 0), WIDE, "lowest terms"),
-        (arnold(0.9), (1, -3), WIDE, "lowest terms"),
-        (arnold(0.9), 0.5, WIDE, "give a Fraction"),
-        (arnold(0.9), (1, 2.5), WIDE, "whole number"),
-        (arnold(0.9), 0, (0.0, 1.0), "left edge of the tongue 0 lies below 0"),
-        (arnold(0.9), 0, (-0.5, 0.05), r"right edge of the tongue 0 lies above 0\.05"),
-        (lambda p: CircleMap.arnold(-p, 0.9), 0, (-0.5, 0.5), "the family falls"),
-        (lambda p: CircleMap.arnold(p + 0.3 * np.sin(40 * p), 0.9), (1, 3), (-0.5, 1.0), "the family falls"),
-        (lambda p: CircleMap(lambda x: 2 * x + p, degree=2), 0, (-0.5, 0.5), "degree 2"),
-        (lambda p: p + 1.0, 0, (-1.0, 1.0), r"family\(-1\) is 0\.0: it must return a CircleMap"),
-        (3.0, 0, (-1.0, 1.0), "give a callable"),
-        (CircleMap.rigid, 0, (1.0, 1.0), "low end must lie below"),
-        (CircleMap.rigid, 0, 1.0, "give a pair"),
-        (CircleMap.rigid, 0, (0.0, np.nan), "finite number"),
-    ],
-)
-def test_what_has_no_tongue_is_refused(family, ratio, within, words):
-    with pytest.raises(InvalidInput, match=words):
-        tongue(family, ratio, within)
-
-
-def test_no_tongues_are_refused():
-    with pytest.raises(InvalidInput, match="give some of each"):
-        tongues(CircleMap.arnold, [], [0.5], WIDE)

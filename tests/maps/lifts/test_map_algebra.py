@@ -5,7 +5,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     compose,
@@ -269,22 +268,3 @@ def test_a_jump_becomes_a_plateau_and_a_plateau_a_jump_and_the_inverse_is_the_su
     np.testing.assert_allclose(back.derivative([0.25, 3.0, 5.0], 1), [2.0, 1.0, 2.0], rtol=1e-12)
     np.testing.assert_allclose(back.derivative([1.0, 3.0, 4.0], -1), [2.0, 0.0, 1.0], rtol=1e-12)
     check_same(inverse(back), f)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: inverse(CircleMap.blaschke([0, 0])), "degree 2: only degree 1 or -1 .* preimages"),
-        (lambda: inverse(CircleMap.arnold(0.2, 1.5)), "turns back on .*branches inverts each monotone piece"),
-        (
-            lambda: inverse(CircleMap.from_branches([(0, 3, lambda x: 2 * x, None), (3, TWO_PI, lambda x: x, None)])),
-            "jumps back by 3 at θ = 3",
-        ),
-        (lambda: nth_iterate(CircleMap.rigid(0.1), -1), "n must be at least 0"),
-        (lambda: shifted(CircleMap.rigid(0.1), 0.5), "turns must be a whole number"),
-        (lambda: conjugate(CircleMap.rigid(0.1), np.nan), "angle must be a finite number"),
-    ],
-)
-def test_what_cannot_be_made_is_refused_and_the_way_out_named(make, message):
-    with pytest.raises(InvalidInput, match=message):
-        make()

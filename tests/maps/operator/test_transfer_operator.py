@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     UniformNoise,
@@ -121,28 +120,6 @@ def test_uniform_noise_has_a_basis_of_its_own():
     sticky = transfer_operator(CircleMap.arnold(0.0, 0.5), UniformNoise(1.0))
     (peak,) = sticky.peaks()
     assert abs(np.angle(np.exp(1j * peak))) < 1e-6 and sticky.density(peak) >= np.max(sticky.density(GRID)) - 1e-9
-
-
-def test_what_cannot_be_computed_is_refused():
-    noise, uniform = WrappedNormal(0.1), UniformNoise(1.0)
-    doubling = transfer_operator(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.2))
-    np.testing.assert_allclose(doubling.density(GRID), 0.5 / np.pi, rtol=1e-12)
-    for words, refused in (
-        *(("noise", lambda bad=bad: transfer_operator(STICKY, bad)) for bad in (None, 0.1, "WrappedNormal")),
-        ("raise its width", lambda: transfer_operator(STICKY, WrappedNormal(1e-3))),
-        *(("modes", lambda bad=bad: transfer_operator(STICKY, noise, modes=bad)) for bad in (0, 2.5, 2001)),
-        ("modes", lambda: transfer_operator(STICKY, uniform, modes=10)),
-        ("CircleMap", lambda: transfer_operator(lambda x: x, noise)),
-        ("degree", lambda: doubling.rotation_number),
-        ("theta", lambda: doubling.density([np.nan])),
-        ("k must", lambda: doubling.eigenvalues(0)),
-        ("n must", lambda: doubling.moment(0.5)),
-        ("entry", lambda: doubling.expectation(lambda theta: np.sum(theta))),
-        ("finite", lambda: doubling.expectation(lambda theta: np.full_like(theta, np.inf))),
-        ("callable", lambda: doubling.expectation(1.0)),
-    ):
-        with pytest.raises(InvalidInput, match=words):
-            refused()
 
 
 def kinked(x):

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
+from cyclemap.maps import CircleMap, UniformNoise
 from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.noise.panels import Panels, level_steps
 from cyclemap.maps.operator.uniform_basis import uniform_discretisation
-from tests.maps.known_maps import DOUBLING, DROPPING, TWIN_WELLS
+from tests.maps.known_maps import DROPPING, TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))
@@ -194,10 +193,3 @@ def test_two_arcs_that_the_noise_does_not_connect_still_give_an_operator():
     moduli = np.sort(np.abs(np.linalg.eigvals(basis.matrix)))[::-1]
     np.testing.assert_allclose(moduli[:2], 1.0, atol=1e-6)
     assert moduli[2] < 0.9
-
-
-def test_other_noise_and_too_few_panels_are_refused():
-    with pytest.raises(InvalidInput, match="UniformNoise"):
-        uniform_discretisation(DOUBLING, WrappedNormal(0.2))
-    with pytest.raises(InvalidInput, match="max_panels"):
-        uniform_discretisation(DOUBLING, UniformNoise(0.2), max_panels=3)

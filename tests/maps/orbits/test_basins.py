@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, basins, fixed_points, periodic_orbits
 from tests.maps.known_maps import DOUBLING, contraction, logistic
 
@@ -126,14 +125,3 @@ def test_where_nothing_is_stable_there_is_no_basin():
     assert basins(CircleMap.rigid(0.1234), max_period=3) == ()
     assert [p.kind for p in fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))] == ["saddle-node"]
     assert basins(CircleMap.arnold(0.9 / TWO_PI, 0.9), max_period=2) == ()
-
-
-def test_bad_requests_are_refused():
-    for words, circle_map, options in (
-        ("CircleMap", np.sin, {}),
-        ("max_period", MAPS["locked"], {"max_period": 0}),
-        ("left_over", MAPS["locked"], {"left_over": 0.0}),
-        ("every point near", CircleMap.rigid(0.5), {"max_period": 2}),
-    ):
-        with pytest.raises(InvalidInput, match=words):
-            basins(circle_map, **options)

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
     is_nondecreasing,
@@ -16,7 +16,7 @@ from cyclemap.maps import (
     upper_envelope,
 )
 from cyclemap.maps.orbits.envelopes import largest_descent
-from tests.maps.known_maps import DOUBLING, KNOWN_TURNS
+from tests.maps.known_maps import KNOWN_TURNS
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)
@@ -181,15 +181,3 @@ def test_envelopes_claim_the_error_of_their_levels():
     assert 0.0 < raised.max_error < 1e-13
     sine = CircleMap.arnold(0.3, 0.9)  # which does not fold is its own envelope
     assert upper_envelope(sine) is sine and lower_envelope(sine) is sine
-
-
-def test_other_degrees_and_bad_counts_are_refused():
-    for ask in (rotation_number, rotation_interval, upper_envelope, lower_envelope):
-        with pytest.raises(InvalidInput, match="degree"):
-            ask(DOUBLING)
-    for ask in (rotation_number, rotation_interval):
-        for name, bad in (("iterates", 0), ("max_period", 0), ("tolerance", -1.0)):
-            with pytest.raises(InvalidInput, match=name):
-                ask(CircleMap.rigid(0.1), **{name: bad})
-        with pytest.raises(InvalidInput, match="CircleMap"):
-            ask(np.sin)

@@ -3,9 +3,7 @@
 from math import atan, pi, sqrt
 
 import numpy as np
-import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, periodic_points, slow_passages
 from cyclemap.maps.orbits.slow_passages import REACH
 
@@ -109,10 +107,3 @@ def test_a_break_inside_the_stretch_leaves_the_error_open():
     (found,) = slow_passages(CircleMap(broken, lambda x: 1 - 0.45 * np.cos(x), [0.0, 1.6]))
     assert found.relative_error == np.inf
     assert abs(found.passage_cycles - pi / sqrt(0.225e-3)) < 1e-4
-
-
-def test_bad_requests_are_refused():
-    with pytest.raises(InvalidInput, match="CircleMap"):
-        slow_passages(np.sin)
-    with pytest.raises(InvalidInput, match="period"):
-        slow_passages(outside(1e-3), 0)

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
     Estimate,
@@ -194,22 +194,3 @@ def test_a_start_inside_one_of_the_arcs_is_decided_and_one_half_way_is_even():
     for start, answer in ((1.5, 1.0), (-1.5, 0.0)):
         known = hitting_probability(still, noise, start, (1, 2), (-2, -1))
         assert known == answer and known.error_bound == 0
-
-
-def test_bad_requests_are_refused():
-    noise, arc = WrappedNormal(0.3), (0.0, 1.0)
-    for bad in ((0.0, 7.0), (1.0, 1.0), (0.0, TWO_PI), (0.0, np.nan), 3.0, (0, 1, 2)):
-        with pytest.raises(InvalidInput, match="arc"):
-            mean_passage_time(STICKY, noise, 0.5, bad)
-    for words, refused in (
-        ("outside the arc", lambda: mean_passage_time(STICKY, noise, 3.0, arc)),
-        ("raise its width", lambda: mean_passage_time(STICKY, WrappedNormal(1e-4), STABLE, arc)),
-        ("the noise is None", lambda: mean_passage_time(STICKY, None, 0.5, arc)),
-        ("start", lambda: mean_passage_time(STICKY, noise, np.nan, arc)),
-        ("overlap", lambda: hitting_probability(STICKY, noise, 0.0, (1.0, 2.0), (1.5, 3.0))),
-        ("outside the arc", lambda: survival_probabilities(STICKY, noise, 3.0, arc, 5)),
-        ("jumps", lambda: survival_probabilities(STICKY, UniformNoise(0.3), 0.5, arc, 5)),
-        ("cycles", lambda: survival_probabilities(STICKY, noise, 0.5, arc, -1)),
-    ):
-        with pytest.raises(InvalidInput, match=words):
-            refused()

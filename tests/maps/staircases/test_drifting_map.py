@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -122,22 +122,3 @@ def test_a_family_that_maps_cannot_follow_says_how_far_off_they_are():
     rng = np.random.default_rng(1)
     with pytest.raises(ConvergenceError, match="4096 maps still leave"):
         DriftingMap.of_family(CircleMap.rigid, rng.uniform(size=10_000), 10_000)
-
-
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [
-        (lambda: DriftingMap.between([(10, FRESH), (10, WORN)]), "each above the one before"),
-        (lambda: DriftingMap(np.array([0.0, 1.0]), (FRESH,)), "give one map a cycle"),
-        (lambda: DriftingMap.between([(0, CircleMap(lambda x: 2 * x, degree=2))]), "degree 1"),
-        (lambda: DriftingMap.between([]), "at least one"),
-        (lambda: DriftingMap.of_family(family, np.zeros(10), 20), "one entry for each of 20 cycles"),
-        (lambda: DriftingMap.of_family(3, np.zeros(10), 10), "family is 3"),
-        (lambda: WEAR.at(np.nan), "cycle must be a finite number"),
-        (lambda: predict_drift(FRESH, WrappedNormal(0.1), 100), "give a DriftingMap"),
-        (lambda: predict_drift(WEAR, WrappedNormal(0.1), 1), "cycles must be at least 2"),
-    ],
-)
-def test_bad_requests_are_refused(ask, words):
-    with pytest.raises(InvalidInput, match=words):
-        ask()

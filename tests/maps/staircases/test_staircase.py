@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -207,26 +206,3 @@ def test_whole_turns_added_to_a_map_with_a_stable_point_or_a_ghost_change_only_t
     assert [zone.winding for zone in faster.zones] == [-1]
     assert abs(faster.mean_residence_cycles / plain.mean_residence_cycles - 1) < 1e-9
     assert abs(faster.cycles_a_step / plain.cycles_a_step - 1) < 1e-9
-
-
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [
-        (lambda: sample_staircase(STICKY, None, 0), "cycles"),
-        (lambda: sample_staircase(STICKY, None, 2.5), "cycles"),
-        (lambda: sample_staircase(STICKY, 0.1, 10), "the noise is 0.1"),
-        (lambda: sample_staircase(STICKY, None, 10, start=np.nan), "start"),
-        (lambda: sample_staircase(STICKY, None, 10, seed=-1), "seed"),
-        (lambda: sample_staircase(lambda x: x, None, 10), "give a CircleMap or a DriftingMap"),
-        (lambda: sample_staircases(STICKY, None, 10, []), "starts is empty"),
-        (lambda: sample_staircases(STICKY, None, 10, [np.nan]), "starts must be finite"),
-        (lambda: predict_staircase(STICKY, None), "the noise is None"),
-        (lambda: predict_staircase(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.1)), "needs degree 1"),
-        (lambda: LocalNoise((0.1, 0.2), 0.0), "pairs"),
-        (lambda: LocalNoise((0.1,), 1.0), "in .0, 1"),
-        (lambda: LocalNoise((0.1,), -0.1), "0, 1"),
-    ],
-)
-def test_bad_requests_are_refused(ask, words):
-    with pytest.raises(InvalidInput, match=words):
-        ask()

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, SlowZone, WrappedNormal, find_steps, predict_staircase, sample_staircase
 
 TWO_PI = 2 * np.pi
@@ -120,17 +119,6 @@ def test_jitter_at_the_edge_of_an_arc_makes_no_visit_and_a_return_no_step():
     assert found.count == 1
 
 
-def test_a_path_outside_every_zone_has_no_dwells_and_bad_requests_are_refused():
-    zone = SlowZone(1.0, (0.0, 2.0), "ghost", 10.0)
-    found = find_steps(np.full(30, 3.0), zones=[zone])
+def test_a_path_outside_every_zone_has_no_dwells():
+    found = find_steps(np.full(30, 3.0), zones=[SlowZone(1.0, (0.0, 2.0), "ghost", 10.0)])
     assert (found.count, found.start.size, found.levels.size, found.censored.size) == (0, 0, 0, 0)
-    for theta, zones, words in (
-        ([1.0], None, "give 2 cycles at least"),
-        ([1.0, np.nan, 2.0], None, "theta must be finite"),
-        (np.zeros((2, 3)), None, "theta must have 1 axes"),
-        (np.zeros(9), [], "give one SlowZone or more"),
-        (np.zeros(9), [(0.0, 1.0)], "give one SlowZone or more"),
-        (np.zeros(9), [zone, SlowZone(4.0, (3.0, 5.0), "ghost", 10.0, 1)], "of the same winding"),
-    ):
-        with pytest.raises(InvalidInput, match=words):
-            find_steps(theta, zones=zones)
