@@ -43,6 +43,18 @@ def plateau(slope, ratio):
     return (1 - slope) * above / rest, (1 - slope) * (1 + below / rest)
 
 
+def bumped(place, width, height, K=0.0, slopes=True):
+    """The family of sine maps with one bump, 5/3 of ``width`` wide at half its height."""
+
+    def bump(x):
+        return height * np.exp(-((2 * np.sin(0.5 * (x - place)) / width) ** 2))
+
+    def slope(x):
+        return 1 - K * np.cos(x) - 2 * np.sin(x - place) / width**2 * bump(x)
+
+    return lambda omega: CircleMap(lambda x: x + TWO_PI * omega - K * np.sin(x) + bump(x), slope if slopes else None)
+
+
 def wavy(x):
     return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
 

@@ -57,7 +57,7 @@ def any_map(seed):
     return kinds[seed % len(kinds)]()
 
 
-def rising_map(seed):
+def injective_map(seed):
     rng = np.random.default_rng(seed + 500)
     kinds = (
         lambda: CircleMap.arnold(rng.uniform(), rng.uniform(0, 0.97)),
@@ -65,6 +65,8 @@ def rising_map(seed):
         lambda: sampled(seed),
         lambda: straight(seed),
         lambda: straight(seed, gaps=False),
+        lambda: straight(seed, degree=-1),
+        lambda: CircleMap(lambda x: 0.5 - x + 0.9 * np.sin(x), lambda x: 0.9 * np.cos(x) - 1, degree=-1),
     )
     return kinds[seed % len(kinds)]()
 
@@ -216,10 +218,11 @@ def test_a_shifted_lift_shifts_windings_and_nothing_else():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", range(28))
 def test_the_inverse_undoes_and_is_undone_to_rounding(seed):
-    f = rising_map(seed)
+    f = injective_map(seed)
     back = inverse(f)
+    assert back.degree == f.degree
     x = away(f, 1e-12)
     np.testing.assert_allclose(back(f(x)), x, rtol=0, atol=1e-12)
     np.testing.assert_allclose(f(back(f(x))), f(x), rtol=0, atol=1e-12)
@@ -230,20 +233,6 @@ def test_the_inverse_undoes_and_is_undone_to_rounding(seed):
     one = back.scalar()
     np.testing.assert_allclose([one(y) for y in GRID[::9]], back(GRID[::9]), rtol=0, atol=1e-13)
     check_same(compose(back, f), CircleMap(lambda t: t, np.ones_like, compose(back, f).breaks))
-    check_same(inverse(back), f, atol=1e-11)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_falling_maps_are_inverted_too(seed):
-    f = straight(seed, degree=-1, gaps=seed % 2 == 0)
-    if seed == 4:
-        f = CircleMap(lambda x: 0.5 - x + 0.9 * np.sin(x), lambda x: 0.9 * np.cos(x) - 1, degree=-1)
-    back = inverse(f)
-    x = away(f, 1e-12)
-    assert back.degree == -1
-    np.testing.assert_allclose(back(f(x)), x, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(back.derivative(f(x)) * f.derivative(x), 1.0, rtol=0, atol=1e-11)
-    np.testing.assert_allclose(back(GRID + TWO_PI) - back(GRID), -TWO_PI, rtol=0, atol=1e-13)
     check_same(inverse(back), f, atol=1e-11)
 
 

@@ -51,8 +51,6 @@ def test_a_noise_free_path_goes_through_each_cycles_own_map():
         for n in range(400):
             expected.append(float(worn.at(n)(expected[-1])))
         np.testing.assert_allclose(path, expected, rtol=0, atol=1e-9)
-        (same,) = sample_staircases(worn, None, 400, [0.3])
-        np.testing.assert_allclose(same, expected, rtol=0, atol=1e-9)
 
 
 def test_chunks_of_a_long_run_meet_without_a_seam():

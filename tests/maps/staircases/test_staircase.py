@@ -36,18 +36,6 @@ def test_a_path_without_noise_is_the_orbit():
         np.testing.assert_allclose(path.theta[1:], circle_map(path.theta[:-1]), rtol=0, atol=1e-12)
 
 
-def test_the_same_seed_gives_the_same_path_and_its_kicks_follow_the_noise():
-    noise = WrappedNormal(0.2)
-    path = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=7)
-    again = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=7)
-    other = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=8)
-    assert np.array_equal(path.theta, again.theta)
-    assert not np.array_equal(path.theta, other.theta)
-    kicks = path.theta[1:] - STICKY(path.theta[:-1])
-    assert abs(kicks.mean()) < 5 * 0.2 / np.sqrt(kicks.size)
-    assert abs(kicks.std() - 0.2) < 5 * 0.2 / np.sqrt(2 * kicks.size)
-
-
 def test_a_stable_point_makes_steps_of_one_turn_and_its_escape_time():
     noise = WrappedNormal(0.45)
     found = predict_staircase(STICKY, noise, transfer_operator(STICKY, noise))
@@ -133,12 +121,11 @@ def test_many_paths_are_each_a_noisy_orbit_of_its_own():
     assert np.max(np.abs(np.corrcoef(kicks) - np.eye(40))) < 6 / np.sqrt(3_000)
 
 
-def test_one_of_many_is_the_single_path_to_rounding():
-    noise = WrappedNormal(0.05)
-    for circle_map in (CircleMap.arnold(0.15, 0.9), DriftingMap.between([(0, STICKY), (900, CircleMap.rigid(0.3))])):
-        (path,) = sample_staircases(circle_map, noise, 1_000, [0.5], seed=3)
-        single = sample_staircase(circle_map, noise, 1_000, 0.5, seed=3)
-        np.testing.assert_allclose(path, single.theta, rtol=0, atol=1e-8)
+@pytest.mark.parametrize("noise", [None, WrappedNormal(0.05), LocalNoise((math.log(0.05), 0.3, 0.1), 0.5)], ids=repr)
+@pytest.mark.parametrize("worn", [STICKY, DriftingMap.between([(0, STICKY), (900, CircleMap.rigid(0.3))])])
+def test_one_of_many_is_the_single_path_to_rounding(worn, noise):
+    (path,) = sample_staircases(worn, noise, 1_000, [0.5], seed=3)
+    np.testing.assert_allclose(path, sample_staircase(worn, noise, 1_000, 0.5, seed=3).theta, rtol=0, atol=1e-8)
 
 
 def test_an_attracting_jump_is_a_slow_zone():
@@ -187,15 +174,6 @@ def test_the_white_noise_that_stands_for_it_carries_as_far_over_many_cycles() ->
     white = sample_staircases(STILL, WrappedNormal(noise.white(0.0)), count, np.zeros(4000), seed=4)[:, -1]
     # Less a constant of ρ/(1 - ρ)² cycles, here 1.8 % of the variance.
     assert far.std() == pytest.approx(white.std(), rel=0.06)
-
-
-def test_one_path_is_that_of_many_and_follows_wear() -> None:
-    drifting = DriftingMap.between([(0, CircleMap.rigid(0.0)), (50, CircleMap.rigid(0.2))])
-    noise = LocalNoise((math.log(0.05), 0.3, 0.1), 0.5)
-    one = sample_staircase(drifting, noise, 80, start=1.0, seed=5).theta
-    assert one == pytest.approx(sample_staircases(drifting, noise, 80, [1.0], seed=5)[0], abs=1e-12)
-    still = sample_staircase(drifting, LocalNoise((-40.0,), 0.5), 80, start=1.0, seed=5).theta
-    assert still == pytest.approx(sample_staircase(drifting, None, 80, start=1.0).theta, abs=1e-12)
 
 
 @pytest.mark.parametrize(("omega", "sigma"), [(0.1, 0.3), (0.15, 0.1)])
