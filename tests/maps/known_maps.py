@@ -55,6 +55,15 @@ def bumped(place, width, height, K=0.0, slopes=True):
     return lambda omega: CircleMap(lambda x: x + TWO_PI * omega - K * np.sin(x) + bump(x), slope if slopes else None)
 
 
+def tent(omega):
+    """A kinked map whose fixed points meet its kinks at Ω = -1/4 and 0."""
+
+    def lift(x):
+        return x + TWO_PI * omega + 0.5 * np.abs(np.mod(x + np.pi, TWO_PI) - np.pi)
+
+    return CircleMap(lift, lambda x: np.where(np.mod(x, TWO_PI) < np.pi, 1.5, 0.5), breaks=[0.0, np.pi])
+
+
 def wavy(x):
     return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
 

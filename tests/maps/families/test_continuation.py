@@ -16,7 +16,7 @@ from cyclemap.maps import (
     saddle_nodes,
     tongue,
 )
-from tests.maps.known_maps import contraction, plateau
+from tests.maps.known_maps import contraction, plateau, tent
 
 TWO_PI = 2 * np.pi
 
@@ -147,15 +147,6 @@ def test_the_family_is_never_called_outside_the_range():
     assert len(asked) > 50
     assert min(asked) >= 0.2
     assert max(asked) <= 0.5
-
-
-def tent(p):
-    """The family of kinked maps whose fixed points meet the kinks at Ω = -1/4 and 0."""
-
-    def lift(x):
-        return x + TWO_PI * p + 0.5 * np.abs(np.mod(x + np.pi, TWO_PI) - np.pi)
-
-    return CircleMap(lift, None, breaks=[0.0, np.pi])
 
 
 @pytest.mark.slow

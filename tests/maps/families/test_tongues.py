@@ -8,7 +8,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
-from tests.maps.known_maps import bumped, contraction, plateau
+from tests.maps.known_maps import bumped, contraction, plateau, tent
 
 TWO_PI = 2 * np.pi
 WIDE = (-0.5, 1.5)
@@ -85,31 +85,18 @@ def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratio
         assert rotation_number(contraction(factor, inside), iterates=4000).locked == Fraction(p, q)
 
 
-def kinked(delta):
-    """A tent-like circle homeomorphism, slopes 1/2 and 3/2, kinks at 0 and π."""
-
-    def lift(theta):
-        y = np.mod(theta, TWO_PI)
-        return theta + TWO_PI * delta + 0.5 * (np.minimum(y, TWO_PI - y))
-
-    def slope(theta):
-        return np.where(np.mod(theta, TWO_PI) < np.pi, 1.5, 0.5)
-
-    return CircleMap(lift, slope, breaks=[0.0, np.pi])
-
-
 def test_a_kinked_family_has_the_edges_its_lines_give():
-    zero = tongue(kinked, 0, (-1.0, 1.0))
+    zero = tongue(tent, 0, (-1.0, 1.0))
     assert zero.right.holds(0.0)
     assert zero.left.holds(-0.25)
     # 1/2: F²(b) = b + 2π from both kinks gives the two edges, since G is linear between breaks.
-    found = tongue(kinked, (1, 2), (-1.0, 1.0))
+    found = tongue(tent, (1, 2), (-1.0, 1.0))
     edges = []
     for start in (0.0, np.pi):
         low, high = 0.0, 1.0
         for _ in range(60):
             middle = 0.5 * (low + high)
-            member = kinked(middle)
+            member = tent(middle)
             low, high = (middle, high) if member(member(start)) - start < TWO_PI else (low, middle)
         edges.append(low)
     assert abs(found.left - min(edges)) < 1e-14

@@ -167,26 +167,6 @@ def test_a_tiny_negative_break_is_a_break_at_zero():
     assert CircleMap(lambda x: x, breaks=[-1e-17, TWO_PI, 2 * TWO_PI]).breaks.tolist() == [0.0]
 
 
-def test_one_sided_limits_at_many_breaks_are_those_of_the_two_neighbouring_steps():
-    rng = np.random.default_rng(8)
-    at = np.sort(rng.uniform(0, TWO_PI, 40))
-    rise = rng.uniform(0.1, 0.4, 40)
-
-    def steps(x):
-        turns = np.floor(x / TWO_PI)
-        return (
-            np.append(0.0, np.cumsum(rise))[np.searchsorted(at, x - TWO_PI * turns, side="right")] + rise.sum() * turns
-        )
-
-    made = CircleMap(lambda x: steps(x) * TWO_PI / rise.sum(), breaks=at)
-    for lap in (-1, 0, 2):
-        gap = (made.right(at + TWO_PI * lap) - made.left(at + TWO_PI * lap)) * rise.sum() / TWO_PI
-        np.testing.assert_allclose(gap, rise, rtol=1e-12)
-    middle = 0.5 * (at[1:] + at[:-1])
-    assert np.array_equal(made.left(middle), made(middle)) and np.array_equal(made.right(middle), made(middle))
-    assert made.jumps()[0].size == 40
-
-
 def test_a_map_never_changes():
     made = sampled()
     with pytest.raises(AttributeError):

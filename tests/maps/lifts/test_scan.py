@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, is_nondecreasing
 from cyclemap.maps.lifts.scan import bracketed_root, iterate, monotone_cells, preimages
 from tests.maps.known_maps import bumped
@@ -63,23 +62,6 @@ def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
     for n in (1, 2, 4, 7):
         cells, count = monotone_cells(tripling, n, 0.0, 512), 3 ** (n - 1)
         np.testing.assert_allclose(cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12)
-
-
-def test_two_folds_behind_one_steep_cell_are_both_found():
-    # G = F∘F, F steep where it leads into a fine ripple: compare the extrema of G with a huge grid.
-    rippled = CircleMap(
-        lambda x: x + 2.4 * np.sin(x) + 0.04 * np.sin(45 * x), lambda x: 1 + 2.4 * np.cos(x) + 1.8 * np.cos(45 * x)
-    )
-    cells = monotone_cells(rippled, 2, 0.0, 512)
-    rising = cells.g_end > cells.g_start
-    grid = iterate(rippled, TWO_PI * np.arange(1_000_001) / 1_000_000, 2)
-    climbing = np.diff(grid) > 0
-    assert np.count_nonzero(rising != np.roll(rising, 1)) == np.count_nonzero(climbing != np.roll(climbing, 1))
-
-
-def test_a_map_too_steep_is_refused():
-    with pytest.raises(ConvergenceError, match="too steep"):
-        monotone_cells(CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9), 8, 0.0, 512)
 
 
 @pytest.mark.parametrize("width", [6e-4, 3e-4, 1.2e-4, 6e-5])

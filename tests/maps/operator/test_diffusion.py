@@ -3,26 +3,19 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, transfer_operator
+from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, sample_staircases, transfer_operator
 from tests.maps.known_maps import TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 JUMPING = CircleMap(lambda x: x + np.where(np.mod(x, TWO_PI) < 3.0, 1.0, -0.8), np.ones_like, [0.0, 3.0])
 
 
-def sampled_diffusion(circle_map, noise, chains=20_000, cycles=240):
+def sampled_diffusion(circle_map, noise):
     """D and its standard error: half the growth of the variance over the second half of many paths."""
-    rng = np.random.default_rng(7)
-    theta = rng.uniform(0, TWO_PI, chains)
-    positions = []
-    for cycle in range(cycles + 41):
-        if cycle in (40, 40 + cycles // 2, 40 + cycles):
-            positions.append(theta)
-        theta = circle_map(theta) + noise.sample(rng, chains)
-    middle, end = positions[1] - positions[0], positions[2] - positions[0]
-    middle, end = (middle - middle.mean()) ** 2, (end - end.mean()) ** 2
-    growth = (end - middle) / cycles
-    return growth.mean(), growth.std() / np.sqrt(chains)
+    paths = sample_staircases(circle_map, noise, 280, np.linspace(0, TWO_PI, 20_000), seed=7)
+    middle, end = ((climb - climb.mean()) ** 2 for climb in (paths[:, cycle] - paths[:, 40] for cycle in (160, 280)))
+    growth = (end - middle) / 240
+    return growth.mean(), growth.std() / np.sqrt(growth.size)
 
 
 @pytest.mark.slow

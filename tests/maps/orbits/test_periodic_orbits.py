@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cyclemap.maps import CircleMap, conjugate, crossings_by_jump, fixed_points, periodic_orbits
+from cyclemap.maps import CircleMap, conjugate, crossings_by_jump, fixed_points, periodic_orbits, shifted
 from tests.maps.known_maps import contraction
 
 TWO_PI = 2 * np.pi
@@ -37,8 +37,8 @@ def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omeg
 
 def test_windings_shift_with_the_lift():
     for turns in (-2, 0, 3):
-        found = fixed_points(CircleMap.arnold(0.1 + turns, 0.9))
-        assert [orbit.winding for orbit in found] == [turns, turns]
+        for made in (CircleMap.arnold(0.1 + turns, 0.9), shifted(CircleMap.arnold(0.1, 0.9), turns)):
+            assert [orbit.winding for orbit in fixed_points(made)] == [turns, turns]
     many = fixed_points(CircleMap.arnold(0.0, 7.0))
     assert sorted({orbit.winding for orbit in many}) == [-1, 0, 1]
     assert len(many) == 6

@@ -8,7 +8,6 @@ from cyclemap.maps import CircleMap, UniformNoise, hitting_probability
 from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability, uniform_passage_time
 from tests.maps.known_maps import DROPPING, simulated, within
 
-TWO_PI = 2 * np.pi
 STILL = CircleMap.rigid(0.0)
 STICKY = CircleMap.arnold(0.1, 0.9)
 FOLDED = CircleMap.arnold(0.3, 3.0)
