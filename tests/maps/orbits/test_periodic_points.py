@@ -203,7 +203,7 @@ def test_period_doubling_merges_its_orbits_only_within_the_tangency():
 
 def test_error_bounds_hold_and_are_not_far_above_the_truth():
     # Möbius maps: e^{iθ} solves a quadratic, known in closed form.
-    rng, ratios = np.random.default_rng(3), []
+    rng = np.random.default_rng(3)
     for _ in range(60):
         a, omega = rng.uniform(0.2, 0.95), rng.uniform(-0.05, 0.05)
         found = periodic_points(CircleMap.moebius(a, omega), 1)
@@ -215,9 +215,7 @@ def test_error_bounds_hold_and_are_not_far_above_the_truth():
         error = np.minimum(error, TWO_PI - error)
         assert np.all(error <= found.error_bound + 1e-15)
         assert np.all(found.error_bound < 1e-13 / np.abs(found.multiplier - 1) + 1e-13)
-        ratios.append(found.residual)
-    assert len(ratios) == 60
-    assert max(ratios) <= 1.0
+        assert found.residual <= 1.0
 
 
 def test_a_collision_with_a_jump_is_one_border_point():

@@ -20,7 +20,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.passages.killed_chain import eliminated, killed_chain
-from tests.maps.known_maps import DROPPING, simulated, within
+from tests.maps.known_maps import DROPPING, reset, simulated, within
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -60,12 +60,10 @@ def test_a_sampled_map_gives_the_same_passage_to_its_own_error_and_its_bound_say
 
 def test_pure_noise_leaves_an_arc_as_fast_as_its_escape_chance_when_the_map_resets():
     """A map that sends everything to 0 makes the passage geometric: T = 1/P(ξ outside the arc)."""
-    x = np.array([-1.5, 1.5, 1.5, TWO_PI - 1.5])
-    reset = CircleMap.from_samples(x, [0, 0, 0, TWO_PI], [0, 0, 0, 0.0])
     laws = WrappedNormal(0.5), WrappedNormal(0.2), WrappedNormal(0.05), WrappedCauchy(0.8), VonMises(40.0)
     for noise in laws:
         exact = 1 / noise.arc_probability(1.0, TWO_PI - 1.0)
-        found = mean_passage_time(reset, noise, 0.0, (-1.0, 1.0))
+        found = mean_passage_time(reset(0.0), noise, 0.0, (-1.0, 1.0))
         assert abs(found - exact) <= found.error_bound < 1e-11 * exact
 
 

@@ -65,7 +65,6 @@ def test_a_family_is_met_to_the_stated_tolerance_on_every_cycle_tried():
         worn = DriftingMap.of_family(family, schedule, 1_000, tolerance=1e-4)
         x = np.linspace(0.0, TWO_PI, 97)
         errors = [np.max(np.abs(worn.at(n)(x) - family(schedule(n))(x))) for n in range(0, 1_000, 7)]
-        assert len(errors) == 143
         assert worn.max_error <= 1e-4
         assert max(errors) < 1.3e-4
         assert worn.cycles.size < 300
