@@ -9,7 +9,6 @@ from cyclemap.maps import CircleMap, VonMises, WrappedNormal, fixed_points, log1
 from cyclemap.maps.passages import log_passage
 from tests.maps.known_maps import reset
 
-TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
 STABLE, UNSTABLE = (float(p.points[0]) for p in fixed_points(STICKY))
 
