@@ -15,7 +15,7 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator import fourier_basis as module
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
-from tests.maps.known_maps import TWIN_WELLS
+from tests.maps.known_maps import DOUBLING, TWIN_WELLS
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 400, endpoint=False)
@@ -50,10 +50,11 @@ def test_moebius_with_cauchy_noise_is_exactly_solvable():
     assert abs(law.rotation_number - 0.2627872013171239726) < 1e-14
 
 
-def test_a_rotation_has_a_uniform_law_without_peaks():
+def test_rotations_and_doublings_have_a_uniform_law_without_peaks():
     noise = WrappedNormal(0.3)
     law = transfer_operator(CircleMap.rigid(0.17), noise)
-    np.testing.assert_allclose(law.density(GRID), 0.5 / np.pi, rtol=1e-14)
+    for one in (law, transfer_operator(DOUBLING, noise)):
+        np.testing.assert_allclose(one.density(GRID), 0.5 / np.pi, rtol=1e-12)
     assert law.tv_from_uniform == 0.0
     assert law.peaks().size == 0
     assert abs(law.rotation_number - 0.17) < 1e-15
