@@ -43,6 +43,33 @@ def plateau(slope, ratio):
     return (1 - slope) * above / rest, (1 - slope) * (1 + below / rest)
 
 
+def bumped(place, width, height, K=0.0, slopes=True):
+    """The family of sine maps with one bump, 5/3 of ``width`` wide at half its height."""
+
+    def bump(x):
+        return height * np.exp(-((2 * np.sin(0.5 * (x - place)) / width) ** 2))
+
+    def slope(x):
+        return 1 - K * np.cos(x) - 2 * np.sin(x - place) / width**2 * bump(x)
+
+    return lambda omega: CircleMap(lambda x: x + TWO_PI * omega - K * np.sin(x) + bump(x), slope if slopes else None)
+
+
+def tent(omega):
+    """A kinked map whose fixed points meet its kinks at Ω = -1/4 and 0."""
+
+    def lift(x):
+        return x + TWO_PI * omega + 0.5 * np.abs(np.mod(x + np.pi, TWO_PI) - np.pi)
+
+    return CircleMap(lift, lambda x: np.where(np.mod(x, TWO_PI) < np.pi, 1.5, 0.5), breaks=[0.0, np.pi])
+
+
+def reset(to):
+    """A map that sends the arc from -1.5 to 1.5 to one place."""
+    x = np.array([-1.5, 1.5, 1.5, TWO_PI - 1.5])
+    return CircleMap.from_samples(x, [to, to, to, TWO_PI], [0, 0, 0, 0.0])
+
+
 def wavy(x):
     return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
 

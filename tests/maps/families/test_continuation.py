@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     border_collisions,
@@ -17,7 +16,7 @@ from cyclemap.maps import (
     saddle_nodes,
     tongue,
 )
-from tests.maps.known_maps import contraction, plateau
+from tests.maps.known_maps import contraction, plateau, tent
 
 TWO_PI = 2 * np.pi
 
@@ -41,22 +40,25 @@ def broken_line(p, drift=0.0):
 
 
 @pytest.mark.slow
-def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form():
-    for K, kinds in (
-        (0.9, ["saddle-node"] * 2),
-        (2.5, ["period-doubling", "saddle-node", "saddle-node", "period-doubling"]),
-    ):
-        branch = follow_orbit(arnold(K), 0.1, (-0.5, 0.5), at=0.0)
-        theta = branch.points[:, 0]
-        assert branch.ends == ("closed", "closed")
-        assert branch.parameter.size > 50
-        assert np.max(np.abs(TWO_PI * branch.parameter - K * np.sin(theta))) < 1e-14
-        assert np.max(np.abs(branch.multiplier - (1 - K * np.cos(theta)))) < 1e-13
-        assert np.array_equal(branch.stable, np.abs(branch.multiplier) < 1)
-        assert abs(abs(theta[-1] - theta[0]) - TWO_PI) < 1e-12
-        assert np.max(np.abs(np.diff(theta))) < 0.5
-        assert [found.kind for found in branch.special] == kinds
-        assert branch.residual < 1e-14
+@pytest.mark.parametrize(
+    ("K", "start", "at", "kinds"),
+    [
+        (0.9, 0.1, 0.0, ["saddle-node"] * 2),
+        (2.5, 0.1, 0.0, ["period-doubling", "saddle-node", "saddle-node", "period-doubling"]),
+        (0.5, np.pi / 2, 0.5 / TWO_PI, ["saddle-node"] * 2),  # started on its saddle-node
+    ],
+)
+def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form(K, start, at, kinds):
+    branch = follow_orbit(arnold(K), start, (-0.5, 0.5), at=at)
+    theta = branch.points[:, 0]
+    assert branch.ends == ("closed", "closed")
+    assert branch.parameter.size > 50 and branch.residual < 1e-14
+    assert np.max(np.abs(TWO_PI * branch.parameter - K * np.sin(theta))) < 1e-14
+    assert np.max(np.abs(branch.multiplier - (1 - K * np.cos(theta)))) < 1e-13
+    assert np.array_equal(branch.stable, np.abs(branch.multiplier) < 1)
+    assert abs(abs(theta[-1] - theta[0]) - TWO_PI) < 1e-12
+    assert np.max(np.abs(np.diff(theta))) < 0.5
+    assert [found.kind for found in branch.special] == kinds
 
 
 def test_a_branch_in_K_passes_its_saddle_node_and_its_period_doubling():
@@ -147,33 +149,26 @@ def test_the_family_is_never_called_outside_the_range():
     assert max(asked) <= 0.5
 
 
-def test_a_branch_can_be_started_on_its_saddle_node():
-    K = 0.5
-    branch = follow_orbit(arnold(K), np.pi / 2, (-0.2, 0.2), at=K / TWO_PI)
-    assert branch.ends == ("closed", "closed")
-    assert [found.kind for found in branch.special] == ["saddle-node"] * 2
-    assert np.max(np.abs(TWO_PI * branch.parameter - K * np.sin(branch.points[:, 0]))) < 1e-13
-
-
-def test_saddle_nodes_of_the_sine_family_are_at_omega_equal_to_K_over_two_pi():
-    found = saddle_nodes(arnold(0.7), (-0.5, 0.5))
-    assert len(found) == 2
-    for one, sign in zip(found, (-1, 1), strict=True):
-        assert one.parameter.holds(sign * 0.7 / TWO_PI)
-        assert abs(one.theta - np.mod(sign * np.pi / 2, TWO_PI)) < 1e-12
-        assert one.folds
-        assert one.parameter.error_bound < 1e-14
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("p", "q", "K"), [(1, 2, 0.9), (2, 5, 0.95)])
-def test_saddle_nodes_of_period_q_are_the_edges_of_the_tongue(p, q, K):
-    locked = tongue(arnold(K), (p, q), (0.0, 1.0))
-    reach = float(locked.width)
-    found = saddle_nodes(arnold(K), (locked.left - reach, locked.right + reach), q, p, resolution=8)
+@pytest.mark.parametrize(
+    ("finder", "family", "p", "q"),
+    [
+        (saddle_nodes, arnold(0.7), 0, 1),
+        (saddle_nodes, arnold(0.9), 1, 2),
+        (saddle_nodes, arnold(0.95), 2, 5),
+        (border_collisions, tent, 0, 1),
+        (border_collisions, tent, 1, 2),
+    ],
+)
+def test_the_edges_of_a_tongue_are_its_saddle_nodes_or_border_collisions(finder, family, p, q):
+    locked = tongue(family, (p, q), (-0.5, 1.0))
+    reach = 0.5 * float(locked.width)
+    within = (locked.left - reach, locked.right + reach)
+    found = [one for one in finder(family, within, q, p, resolution=8) if one.folds]
     assert len(found) == 2
     for one, edge in zip(found, (locked.left, locked.right), strict=True):
         assert abs(one.parameter - edge) <= one.parameter.error_bound + edge.error_bound
+    assert finder is saddle_nodes or saddle_nodes(family, within, q, p, resolution=8) == []
 
 
 @pytest.mark.slow
@@ -192,56 +187,6 @@ def test_a_branch_born_and_gone_inside_the_range_is_found():
     assert saddle_nodes(family, (0.0, 1.0), resolution=1) == []  # no grid point inside: the stated resolution
 
 
-def tent(p):
-    def lift(x):
-        return x + p + 0.5 * np.abs(np.mod(x + np.pi, TWO_PI) - np.pi)
-
-    return CircleMap(lift, None, breaks=[0.0, np.pi])
-
-
-def test_each_kind_of_bifurcation_has_a_list_of_its_own():
+def test_period_doublings_have_a_list_of_their_own():
     [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.5, 2.5), resolution=2)
     assert flip.parameter.holds(np.hypot(2.0, 0.2 * np.pi))
-    [corner] = border_collisions(tent, (-0.5, 0.5), resolution=3)
-    assert corner.parameter.holds(0.0)
-
-
-@pytest.mark.slow
-def test_a_tent_loses_its_fixed_points_in_two_folding_border_collisions():
-    found = border_collisions(tent, (-2.0, 1.0))
-    assert len(found) == 2
-    for one, at in zip(found, (-np.pi / 2, 0.0), strict=True):
-        assert one.parameter.holds(at)
-        assert one.folds
-        assert not one.jump
-    assert saddle_nodes(tent, (-2.0, 1.0)) == []
-
-
-@pytest.mark.slow
-def test_border_collisions_of_period_two_are_the_edges_of_a_kinked_tongue():
-    locked = tongue(lambda p: tent(TWO_PI * p), (1, 2), (0.0, 1.0))
-    found = border_collisions(lambda p: tent(TWO_PI * p), (locked.left - 0.02, locked.right + 0.02), 2, 1, resolution=6)
-    edges = [float(one.parameter) for one in found if one.folds]
-    assert len(edges) == 2
-    assert abs(edges[0] - locked.left) <= found[0].parameter.error_bound + locked.left.error_bound
-    assert abs(edges[1] - locked.right) <= found[-1].parameter.error_bound + locked.right.error_bound
-
-
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [
-        (lambda: follow_orbit(arnold(0.9), 1.0, (0.0, 0.5), at=0.3), "no orbit of period 1 and winding 0"),
-        (lambda: follow_orbit(arnold(0.9), 0.0, (0.0, 0.5), at=0.7), "outside the parameters"),
-        (lambda: follow_orbit(arnold(0.9), np.nan, (0.0, 0.5)), "start must be a finite number"),
-        (lambda: follow_orbit(arnold(0.9), 0.0, (0.0, 0.5), period=0), "period must be at least 1"),
-        (lambda: follow_orbit(lambda p: p, 0.0, (0.0, 0.5)), "must return a CircleMap"),
-        (lambda: follow_orbit(arnold(0.9), 2.68, (0.4, 0.6), at=0.5, period=2), "wind 1 times"),
-        (lambda: saddle_nodes(arnold(0.9), (0.0, 1.0), 0), "period must be at least 1"),
-        (lambda: period_doublings(arnold(0.9), (1.0, 0.0)), "low end must lie below"),
-        (lambda: border_collisions(arnold(0.9), (0.0, float("inf"))), "finite"),
-        (lambda: saddle_nodes(lambda p: CircleMap.rigid(0.0), (0.0, 1.0)), "every point"),
-    ],
-)
-def test_bad_input_is_refused(ask, words):
-    with pytest.raises(InvalidInput, match=words):
-        ask()

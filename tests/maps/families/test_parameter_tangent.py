@@ -1,11 +1,9 @@
 """Families: the derivative of the lift with respect to the parameter, and moving breaks."""
 
 import numpy as np
-import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
-from cyclemap.maps.families.family import break_motion, parameter_tangent
+from cyclemap.maps.families.family import parameter_tangent
 
 TWO_PI = 2 * np.pi
 THETA = np.linspace(-7.0, 9.0, 101)
@@ -65,12 +63,3 @@ def test_breaks_that_move_are_followed_and_never_differenced_across():
             - 0.1 * np.where(y >= 2.0 - 1e-12, TWO_PI - 2.0 * y + 2.0, 0.0)
         )
         assert np.max(np.abs(tangent(p + y) - truth)) < good
-
-
-def test_break_motion_pairs_breaks_round_the_circle():
-    breaks = np.array([0.01, 1.0, 6.2])
-    for shift in (0.05, -0.05, 0.3):
-        moved = np.sort(np.mod(breaks + shift, TWO_PI))
-        assert np.allclose(break_motion(breaks, moved), shift, atol=1e-14)
-    with pytest.raises(InvalidInput, match="3 and 2 breaks"):
-        break_motion(breaks, breaks[:2])

@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
 from tests.maps.known_maps import wavy, wavy_slope
+from tests.refusals import refused
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-15.0, 15.0, 3001)
@@ -99,5 +99,4 @@ BAD_BRANCHES = {
 
 @pytest.mark.parametrize("message", BAD_BRANCHES)
 def test_branches_that_do_not_make_one_turn_are_refused_with_the_value_that_is_wrong(message):
-    with pytest.raises(InvalidInput, match=message):
-        CircleMap.from_branches(BAD_BRANCHES[message])
+    refused(CircleMap.from_branches, BAD_BRANCHES[message], told=message)

@@ -5,12 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     compose,
     conjugate,
-    fixed_points,
     inverse,
     nth_iterate,
     shifted,
@@ -58,7 +56,7 @@ def any_map(seed):
     return kinds[seed % len(kinds)]()
 
 
-def rising_map(seed):
+def injective_map(seed):
     rng = np.random.default_rng(seed + 500)
     kinds = (
         lambda: CircleMap.arnold(rng.uniform(), rng.uniform(0, 0.97)),
@@ -66,6 +64,8 @@ def rising_map(seed):
         lambda: sampled(seed),
         lambda: straight(seed),
         lambda: straight(seed, gaps=False),
+        lambda: straight(seed, degree=-1),
+        lambda: CircleMap(lambda x: 0.5 - x + 0.9 * np.sin(x), lambda x: 0.9 * np.cos(x) - 1, degree=-1),
     )
     return kinds[seed % len(kinds)]()
 
@@ -100,19 +100,6 @@ def test_composition_is_associative_multiplies_degrees_and_is_one_map_after_the_
     x = away(left)
     np.testing.assert_allclose(left(x), f(g(h(x))), rtol=1e-13, atol=3e-12)
     np.testing.assert_allclose(left(x + TWO_PI) - left(x), TWO_PI * left.degree, rtol=1e-11, atol=1e-11)
-
-
-@pytest.mark.parametrize("seed", range(14))
-def test_the_derivative_of_a_composite_is_what_differences_give(seed):
-    made = compose(any_map(seed), any_map(2 * seed + 3))
-    plain = CircleMap(made, breaks=made.breaks, degree=made.degree)
-    x = away(made, 1e-2)
-    x = x[np.abs(x) < TWO_PI]
-    slope = made.derivative(x)
-    knotty = any_map(seed).samples or any_map(2 * seed + 3).samples
-    tolerance = (3e-2 if knotty else 1e-7) * (1 + np.max(np.abs(slope)))
-    np.testing.assert_allclose(plain.derivative(x), slope, rtol=0, atol=tolerance)
-    assert np.median(np.abs(plain.derivative(x) - slope)) < 1e-9 * (1 + np.max(np.abs(slope)))
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -206,21 +193,20 @@ def test_conjugation_is_rotation_after_map_after_rotation_back(seed):
     check_same(conjugate(made, -angle), f)
 
 
-def test_a_shifted_lift_shifts_windings_and_nothing_else():
+def test_a_shifted_lift_is_whole_turns_higher_and_nothing_else():
     for f in (CircleMap.arnold(0.05, 0.9), sampled(1), straight(7)):
         up = shifted(f, 3)
         np.testing.assert_allclose(up(GRID), f(GRID) + 3 * TWO_PI, rtol=0, atol=2e-14)
         assert np.array_equal(up.derivative(GRID), f.derivative(GRID)) and np.array_equal(up.breaks, f.breaks)
         assert up.samples == f.samples and up.scalar()(1.0) == pytest.approx(f.scalar()(1.0) + 3 * TWO_PI, abs=1e-13)
-    windings = [p.winding for p in fixed_points(shifted(CircleMap.arnold(0.05, 0.9), -2))]
-    assert windings == [-2, -2]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", range(28))
 def test_the_inverse_undoes_and_is_undone_to_rounding(seed):
-    f = rising_map(seed)
+    f = injective_map(seed)
     back = inverse(f)
+    assert back.degree == f.degree
     x = away(f, 1e-12)
     np.testing.assert_allclose(back(f(x)), x, rtol=0, atol=1e-12)
     np.testing.assert_allclose(f(back(f(x))), f(x), rtol=0, atol=1e-12)
@@ -231,20 +217,6 @@ def test_the_inverse_undoes_and_is_undone_to_rounding(seed):
     one = back.scalar()
     np.testing.assert_allclose([one(y) for y in GRID[::9]], back(GRID[::9]), rtol=0, atol=1e-13)
     check_same(compose(back, f), CircleMap(lambda t: t, np.ones_like, compose(back, f).breaks))
-    check_same(inverse(back), f, atol=1e-11)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_falling_maps_are_inverted_too(seed):
-    f = straight(seed, degree=-1, gaps=seed % 2 == 0)
-    if seed == 4:
-        f = CircleMap(lambda x: 0.5 - x + 0.9 * np.sin(x), lambda x: 0.9 * np.cos(x) - 1, degree=-1)
-    back = inverse(f)
-    x = away(f, 1e-12)
-    assert back.degree == -1
-    np.testing.assert_allclose(back(f(x)), x, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(back.derivative(f(x)) * f.derivative(x), 1.0, rtol=0, atol=1e-11)
-    np.testing.assert_allclose(back(GRID + TWO_PI) - back(GRID), -TWO_PI, rtol=0, atol=1e-13)
     check_same(inverse(back), f, atol=1e-11)
 
 
@@ -269,22 +241,3 @@ def test_a_jump_becomes_a_plateau_and_a_plateau_a_jump_and_the_inverse_is_the_su
     np.testing.assert_allclose(back.derivative([0.25, 3.0, 5.0], 1), [2.0, 1.0, 2.0], rtol=1e-12)
     np.testing.assert_allclose(back.derivative([1.0, 3.0, 4.0], -1), [2.0, 0.0, 1.0], rtol=1e-12)
     check_same(inverse(back), f)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: inverse(CircleMap.blaschke([0, 0])), "degree 2: only degree 1 or -1 .* preimages"),
-        (lambda: inverse(CircleMap.arnold(0.2, 1.5)), "turns back on .*branches inverts each monotone piece"),
-        (
-            lambda: inverse(CircleMap.from_branches([(0, 3, lambda x: 2 * x, None), (3, TWO_PI, lambda x: x, None)])),
-            "jumps back by 3 at θ = 3",
-        ),
-        (lambda: nth_iterate(CircleMap.rigid(0.1), -1), "n must be at least 0"),
-        (lambda: shifted(CircleMap.rigid(0.1), 0.5), "turns must be a whole number"),
-        (lambda: conjugate(CircleMap.rigid(0.1), np.nan), "angle must be a finite number"),
-    ],
-)
-def test_what_cannot_be_made_is_refused_and_the_way_out_named(make, message):
-    with pytest.raises(InvalidInput, match=message):
-        make()

@@ -6,7 +6,15 @@ from math import floor
 import numpy as np
 import pytest
 
-from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_interval, rotation_number, rotation_numbers
+from cyclemap.maps import (
+    ARNOLD_FAMILY,
+    MOEBIUS_FAMILY,
+    CircleMap,
+    ParametricLift,
+    rotation_interval,
+    rotation_number,
+    rotation_numbers,
+)
 from tests.maps.known_maps import contraction, plateau
 
 TWO_PI = 2 * np.pi
@@ -56,7 +64,6 @@ def test_moebius_maps_hold_the_closed_form():
     rng = np.random.default_rng(1)
     drawn = [random_moebius(rng) for _ in range(MOEBIUS)]
     found = judged([CircleMap.moebius(*pair) for pair in drawn], [moebius_truth(*pair) for pair in drawn])
-    assert len(found) == MOEBIUS
     assert widths(found).max() < 2.01 / ITERATES
     assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
     assert np.median(widths(found)) < 5e-4
@@ -94,25 +101,10 @@ def test_sine_maps_agree_with_a_longer_independent_enclosure():
     drawn = np.array([random_sine(rng) for _ in range(SINE)])
     low, high = sine_enclosures(*drawn.T)
     found = judged([CircleMap.arnold(*pair) for pair in drawn.tolist()], list(zip(low, high, strict=True)))
-    assert len(found) == SINE
     assert np.median(high - low) < 0.3 * np.median(widths(found))
     assert widths(found).max() < 2.01 / ITERATES
     assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
     assert sum(one.locked is not None for one in found) > 500
-
-
-@pytest.mark.slow
-def test_many_at_once_hold_the_same_truths():
-    rng = np.random.default_rng(9)
-    moebius = np.array([random_moebius(rng) for _ in range(AT_ONCE)])
-    sine = np.array([random_sine(rng) for _ in range(AT_ONCE)])
-    exact = np.array([moebius_truth(*pair) for pair in moebius]).T
-    for family, drawn, truth in ((MOEBIUS_FAMILY, moebius, exact), (ARNOLD_FAMILY, sine, sine_enclosures(*sine.T))):
-        found = rotation_numbers(family, *drawn.T)
-        slack = 1e-15 * np.abs(truth[0])
-        assert np.all((found.lower - slack <= truth[1]) & (truth[0] <= found.upper + slack))
-        assert np.all(found.upper - found.lower <= 2e-3)
-        assert np.sum(found.period > 0) > 400
 
 
 def random_contraction(rng):
@@ -132,12 +124,35 @@ def test_contractions_hold_their_plateau_of_the_devils_staircase():
     rng = np.random.default_rng(4)
     drawn = [random_contraction(rng) for _ in range(CONTRACTIONS)]
     found = judged([contraction(slope, shift) for slope, shift, _ in drawn], [truth for *_, truth in drawn])
-    assert len(found) == CONTRACTIONS
     sure = [one for one, (*_, truth) in zip(found, drawn, strict=True) if truth[0] == truth[1]]
     assert len(sure) > 500
     assert sum(one.locked is not None for one in sure) > 250
     assert np.quantile(widths(found), 0.9) < 0.04
     assert np.median(widths(found)) < 0.005
+
+
+def contraction_lift(theta, slope, shift):
+    turns = np.floor(theta / TWO_PI)
+    return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
+
+
+@pytest.mark.slow
+def test_many_at_once_hold_the_same_truths():
+    rng = np.random.default_rng(9)
+    moebius = [random_moebius(rng) for _ in range(AT_ONCE)]
+    sine = np.array([random_sine(rng) for _ in range(AT_ONCE)])
+    jumping = [random_contraction(rng) for _ in range(AT_ONCE)]
+    contractions = ParametricLift(contraction_lift, lambda x, slope, _: slope + 0 * x, breaks=[0.0])
+    for family, drawn, truth, met in (
+        (MOEBIUS_FAMILY, moebius, np.array([moebius_truth(*pair) for pair in moebius]).T, 1.0),
+        (ARNOLD_FAMILY, sine, sine_enclosures(*sine.T), 1.0),
+        (contractions, [one[:2] for one in jumping], np.array([truth for *_, truth in jumping]).T, 0.45),
+    ):
+        found = rotation_numbers(family, *np.transpose(drawn))
+        slack = 1e-15 * np.abs(found.value)
+        assert np.all((found.lower - slack <= truth[1]) & (truth[0] <= found.upper + slack))
+        assert np.mean(found.upper - found.lower <= 2e-3) >= met  # edges of plateaus are hard to tell
+        assert np.sum(found.period > 0) > 400
 
 
 def tent_interval(slope, shift, period):
@@ -180,7 +195,6 @@ def test_folded_tents_hold_their_exact_rotation_interval():
         assert found.lower_number.lower <= low <= found.lower_number.upper
         assert found.upper_number.lower <= high <= found.upper_number.upper
         locked += (found.lower_number.locked == low) + (found.upper_number.locked == high)
-    assert len(drawn) == FOLDED
     assert locked > FOLDED
     for tent, (low, high) in drawn[:20]:
         number = rotation_number(tent, iterates=ITERATES)
@@ -191,7 +205,6 @@ def test_folded_tents_hold_their_exact_rotation_interval():
 def test_max_error_covers_every_map_that_near():
     """[lower, upper] of F with max_error e holds ρ(F + c) for all |c| ≤ e, and is hardly wider than they spread."""
     rng = np.random.default_rng(7)
-    checked = 0
     for _ in range(60):
         omega, strength, error = rng.uniform(0, 1), rng.uniform(0, 1), 10 ** rng.uniform(-6, -2)
         claimed = CircleMap(
@@ -203,13 +216,10 @@ def test_max_error_covers_every_map_that_near():
         shifts = omega + np.array([-1, -0.7, 0.2, 1]) * error / TWO_PI
         spread = [rotation_number(CircleMap.arnold(shift, strength), iterates=600) for shift in shifts]
         for one in spread:
-            assert found.lower <= one.upper
-            assert one.lower <= found.upper
-            checked += found.locked is None or found.locked == one.locked
-        assert found.lower <= spread[0].lower
-        assert spread[-1].upper <= found.upper
+            assert found.lower <= one.upper and one.lower <= found.upper
+            assert found.locked is None or found.locked == one.locked
+        assert found.lower <= spread[0].lower and spread[-1].upper <= found.upper
         assert found.upper - found.lower <= spread[-1].upper - spread[0].lower + 1e-9
-    assert checked == 240
 
 
 @pytest.mark.parametrize("error", [1e-9, 1e-3])

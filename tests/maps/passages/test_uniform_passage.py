@@ -8,7 +8,6 @@ from cyclemap.maps import CircleMap, UniformNoise, hitting_probability
 from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability, uniform_passage_time
 from tests.maps.known_maps import DROPPING, simulated, within
 
-TWO_PI = 2 * np.pi
 STILL = CircleMap.rigid(0.0)
 STICKY = CircleMap.arnold(0.1, 0.9)
 FOLDED = CircleMap.arnold(0.3, 3.0)
@@ -35,13 +34,10 @@ def test_a_walk_leaves_a_short_arc_with_the_same_chance_every_cycle(h):
 
 @pytest.mark.parametrize("length", [0.55, 0.9, 0.99])
 def test_a_walk_leaves_a_longer_arc_after_the_time_of_its_delay_equation(length):
-    checked = 0
     for start in (0.0, 0.02, 0.3, 0.5, length - 0.1):
         found = uniform_passage_time(STILL, UniformNoise(0.5), start + 2.0, (2.0, 2.0 + length))
         exact = walk_time(start, length, 0.5)
         assert abs(found - exact) <= found.error_bound < 1e-10
-        checked += 1
-    assert checked == 5
 
 
 @pytest.mark.slow
@@ -123,8 +119,6 @@ def test_monte_carlo_hits_agree(circle_map, h, start, a, b):
     found = uniform_hitting_probability(circle_map, UniformNoise(h), start, a, b)
     share = np.mean(within(last, a))
     assert abs(found - share) < 4.5 * np.sqrt(max(found * (1 - found), 1e-6) / last.size)
-    swapped = uniform_hitting_probability(circle_map, UniformNoise(h), start, b, a)
-    assert abs(found + swapped - 1) <= found.error_bound + swapped.error_bound + 1e-15
     assert found.error_bound < 1e-4
 
 

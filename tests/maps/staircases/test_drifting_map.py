@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -51,8 +51,6 @@ def test_a_noise_free_path_goes_through_each_cycles_own_map():
         for n in range(400):
             expected.append(float(worn.at(n)(expected[-1])))
         np.testing.assert_allclose(path, expected, rtol=0, atol=1e-9)
-        (same,) = sample_staircases(worn, None, 400, [0.3])
-        np.testing.assert_allclose(same, expected, rtol=0, atol=1e-9)
 
 
 def test_chunks_of_a_long_run_meet_without_a_seam():
@@ -67,7 +65,6 @@ def test_a_family_is_met_to_the_stated_tolerance_on_every_cycle_tried():
         worn = DriftingMap.of_family(family, schedule, 1_000, tolerance=1e-4)
         x = np.linspace(0.0, TWO_PI, 97)
         errors = [np.max(np.abs(worn.at(n)(x) - family(schedule(n))(x))) for n in range(0, 1_000, 7)]
-        assert len(errors) == 143
         assert worn.max_error <= 1e-4
         assert max(errors) < 1.3e-4
         assert worn.cycles.size < 300
@@ -122,22 +119,3 @@ def test_a_family_that_maps_cannot_follow_says_how_far_off_they_are():
     rng = np.random.default_rng(1)
     with pytest.raises(ConvergenceError, match="4096 maps still leave"):
         DriftingMap.of_family(CircleMap.rigid, rng.uniform(size=10_000), 10_000)
-
-
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [
-        (lambda: DriftingMap.between([(10, FRESH), (10, WORN)]), "each above the one before"),
-        (lambda: DriftingMap(np.array([0.0, 1.0]), (FRESH,)), "give one map a cycle"),
-        (lambda: DriftingMap.between([(0, CircleMap(lambda x: 2 * x, degree=2))]), "degree 1"),
-        (lambda: DriftingMap.between([]), "at least one"),
-        (lambda: DriftingMap.of_family(family, np.zeros(10), 20), "one entry for each of 20 cycles"),
-        (lambda: DriftingMap.of_family(3, np.zeros(10), 10), "family is 3"),
-        (lambda: WEAR.at(np.nan), "cycle must be a finite number"),
-        (lambda: predict_drift(FRESH, WrappedNormal(0.1), 100), "give a DriftingMap"),
-        (lambda: predict_drift(WEAR, WrappedNormal(0.1), 1), "cycles must be at least 2"),
-    ],
-)
-def test_bad_requests_are_refused(ask, words):
-    with pytest.raises(InvalidInput, match=words):
-        ask()

@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircases
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 
@@ -104,13 +103,4 @@ def test_what_cannot_be_compared_is_none():
     turning = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
     none = compare_steps(find_steps(0.2 * np.pi * np.arange(50)), turning)
     assert (none.predicted_length, none.net_steps, none.expected_steps) == (None,) * 3
-
-
-def test_bad_requests_are_refused():
-    summary = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1))
-    with pytest.raises(InvalidInput, match="in this order"):
-        compare_steps(summary, find_steps(np.zeros(5)))
-    for lengths, censored in (([1.0, 2.0], [True]), ([], [])):
-        with pytest.raises(InvalidInput, match="give n ≥ 1 of each"):
-            kaplan_meier_mean(lengths, censored)
     assert kaplan_meier_mean([3.0], [True]) == (None, None)
