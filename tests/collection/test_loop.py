@@ -15,16 +15,6 @@ from cyclemap.mechanics import Pusher, SidePush, Slider, WorldPush, grid_footpri
 MIT = CollectionLoop.mit()
 
 
-@pytest.mark.parametrize("theta", [-2.5, -0.6, 0.3, 2.2, 4.0, 17.1])
-def test_the_multiplier_is_the_slope_of_the_cycle_map(theta):
-    loop = replace(MIT, accuracy=1e-11)
-    found, step = loop.sensitivity(theta), 2e-5
-    near, far = (loop.cycle(theta + k * step).theta_next - loop.cycle(theta - k * step).theta_next for k in (1, 2))
-    assert abs(found.by("theta") - (8.0 * near - far) / (12.0 * step)) < 1e-6
-    assert found.by("theta") == found.by("theta", "theta_next")
-    assert abs(found.theta_next - loop.cycle(theta).theta_next) < 1e-14
-
-
 def test_a_cycle_starts_and_ends_with_its_ring_at_the_target():
     """Its turns add, and whole turns of the start change nothing but the lift."""
     for theta in (-2.0, 0.0, 9.1):

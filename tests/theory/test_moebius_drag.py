@@ -76,12 +76,6 @@ def test_a_bent_path_is_one_moebius_map_with_the_strength_of_the_product():
     assert np.abs(mapped(np.exp(1j * np.linspace(-np.pi, np.pi, 200_001))) - np.exp(1j * lever)).max() < 1e-12
 
 
-def test_a_leg_there_and_back_leaves_nothing():
-    u = sp.Symbol("u", real=True)
-    there, back = theory.turned_leg(A, u), theory.turned_leg(A, u + sp.pi)
-    assert sp.simplify(back.subs(Z, there) - Z) == 0
-
-
 def test_the_trails_map_is_the_codes_moebius_map():
     image = sp.lambdify((Z, A), theory.leg_of_the_trail(A))
     rng = np.random.default_rng(1)
