@@ -71,18 +71,6 @@ def test_a_disc_pushed_off_centre_without_friction_translates():
     assert {mode for mode, _ in story(push)} == {"slide_free"}
 
 
-def test_thin_rods_tend_to_a_point_at_first_order():
-    for seed in (2, 3, 7, 13):
-        case = random_case(seed, accuracy=1e-9)
-        turns = []
-        for radius in (0.0, 1e-6, 1e-5):
-            model = replace(case.model, pusher=Pusher(radius, case.model.pusher.friction))
-            turns.append(model.push(case.pose, case.push).turn)
-        gaps = np.abs(np.subtract(turns[1:], turns[0]))
-        assert gaps[1] < 2e-3
-        assert 5.0 < gaps[1] / gaps[0] < 20.0
-
-
 def test_a_point_that_slides_off_a_corner_leaves_there_with_no_more_than_the_sides_force():
     model = QuasiStaticModel(RECT, ISOTROPIC, Pusher(0.0, 0.15), accuracy=1e-9)
     push = model.push(Pose(), SidePush(0, 0.02, math.radians(40.0)))
