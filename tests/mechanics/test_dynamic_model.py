@@ -56,6 +56,8 @@ def test_the_inertia_of_a_square_plate_is_a_sixth_of_m_l_squared():
     corners = ((0.0, 0.0), (side, 0.0), (side, side), (0.0, side))
     found = model(slider=Slider(Polygon(corners), mass, hitch=(0.03, 0.03))).inertia
     assert found == pytest.approx(mass * side**2 / 6.0, rel=1e-12)
+    # The published inertia of the plate of that size agrees with the formula.
+    assert SQUARE.inertia == pytest.approx(mass * side**2 / 6.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("stroke", [fine_push, fine_drag])
