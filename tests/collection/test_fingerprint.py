@@ -11,7 +11,6 @@ from cyclemap.collection import (
     Anisotropy,
     CollectionLoop,
     Fingerprint,
-    Prediction,
     TurnResponse,
     check_prediction,
     fingerprint,
@@ -198,20 +197,6 @@ def test_the_edge_of_lock_in_is_off_by_the_square_of_the_anisotropy_it_takes(ply
         scales.append(predicted.lock_in.scale)
         errors.append(abs(full.scale - predicted.lock_in.scale))
     assert np.log(errors[0] / errors[1]) / np.log(scales[0] / scales[1]) == pytest.approx(2.0, abs=0.2)
-
-
-def test_a_prediction_is_the_two_harmonic_map_it_says(mit) -> None:
-    """Its map, its turn and the formula with amplitudes and phases are one function, its slope their derivative."""
-    surface = Anisotropy(0.1, 2.8, 0.04, 2.6)
-    predicted = Prediction(mit, surface)
-    five = mit.cycle
-    first = five.offset_amplitude * np.cos(ANGLES - surface.offset_direction - five.offset_phase)
-    second = five.ellipse_amplitude * np.cos(2.0 * (ANGLES - surface.ellipse_direction) - five.ellipse_phase)
-    formula = ANGLES + five.turn + surface.offset * first + surface.ellipticity * second
-    assert predicted.map(ANGLES) == pytest.approx(formula, abs=1e-14)
-    assert predicted.turn(ANGLES) == pytest.approx(formula - ANGLES, abs=1e-14)
-    slopes = (predicted.map(ANGLES + 1e-6) - predicted.map(ANGLES - 1e-6)) / 2e-6
-    assert predicted.map.derivative(ANGLES) == pytest.approx(slopes, abs=1e-8)
 
 
 RESPONSE = TurnResponse(0.1, [2.0, 0.5, 0.4, 1.0], np.zeros((4, 4)))

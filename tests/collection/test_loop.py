@@ -9,20 +9,9 @@ from refusals import refused
 from scipy.optimize import brentq
 
 from cyclemap.collection import CollectionLoop, Cycles, run_cycles
-from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Pusher, SidePush, Slider, WorldPush, grid_footprint
 
 MIT = CollectionLoop.mit()
-
-
-@pytest.mark.parametrize("theta", [-2.5, -0.6, 0.3, 2.2, 4.0, 17.1])
-def test_the_multiplier_is_the_slope_of_the_cycle_map(theta):
-    loop = replace(MIT, accuracy=1e-11)
-    found, step = loop.sensitivity(theta), 2e-5
-    near, far = (loop.cycle(theta + k * step).theta_next - loop.cycle(theta - k * step).theta_next for k in (1, 2))
-    assert abs(found.by("theta") - (8.0 * near - far) / (12.0 * step)) < 1e-6
-    assert found.by("theta") == found.by("theta", "theta_next")
-    assert abs(found.theta_next - loop.cycle(theta).theta_next) < 1e-14
 
 
 def test_a_cycle_starts_and_ends_with_its_ring_at_the_target():
@@ -80,16 +69,6 @@ def test_fixed_points_of_the_8x8_grid(ring_mm, stable_deg, unstable_deg, within_
     for expected in (stable_deg, unstable_deg):
         found = brentq(lambda theta: turn_deg(loop, theta), expected - 3.0, expected + 3.0, xtol=1e-4)
         assert found == pytest.approx(expected, abs=within_deg)
-
-
-def test_fixed_points_meet_in_a_saddle_node_as_the_ring_moves_in():
-    """Stable and unstable point approach each other as the ring goes inwards, and are gone at 9 mm."""
-    gaps = []
-    for ring_mm in (15.0, 13.0, 10.0, 9.0):
-        orbits = fixed_points(plywood(ring_mm).circle_map(tolerance=1e-4))
-        gaps.append(np.degrees(orbits[1].points[0] - orbits[0].points[0]) if len(orbits) == 2 else None)
-        assert [orbit.kind for orbit in orbits] == (["stable", "unstable"] if ring_mm > 9.0 else [])
-    assert gaps[0] > gaps[1] > gaps[2] > 0.0 and gaps[3] is None
 
 
 def test_stated_error_of_the_plywood_map_holds():

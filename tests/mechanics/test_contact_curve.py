@@ -187,14 +187,6 @@ def test_a_rod_as_wide_as_a_slot_is_in_it_or_not():
         assert floor is None or (4 in sides) == floor
 
 
-def test_the_butterfly_is_one_loop_of_which_a_wide_rod_touches_less():
-    outline, curves = dataset_sliders()["butter"].outline, []
-    for radius in (0.00475, 0.08):
-        curves.append(contact_curve(outline, radius))
-        check_points_and_junctions(outline, curves[-1], 1e-13)
-    assert len(loops(curves[0])) == 1 and len(curves[1].pieces) < len(curves[0].pieces)
-
-
 def test_a_point_touches_every_side_and_two_at_a_concave_vertex():
     curve = contact_curve(NOTCHED, 0.0)
     assert [piece.side for piece in curve.pieces] == list(range(5))

@@ -74,26 +74,6 @@ def test_a_ring_that_is_already_there_moves_nothing():
     assert MODEL.drag(start, (here, (0.0, 0.0))).turn == MODEL.drag(start, HOME).turn
 
 
-def trailing_angle(model, drag):
-    """Angle from the way of the ring to the ring's lever, at the end."""
-    path = drag.trajectory.pusher
-    way = path[-1] - path[0]
-    (x, y) = model.slider.hitch
-    return math.remainder(drag.end.theta + math.atan2(y, x) - math.atan2(way[1], way[0]), 2.0 * math.pi)
-
-
-def test_a_long_drag_without_anisotropy_ends_with_the_ring_ahead_or_the_force_at_the_friction_circles_edge():
-    """The object trails at the angle whose sine is the circle's radius over the lever."""
-    model, lever = replace(MODEL, friction=EllipseFriction.isotropic(0.3)), math.hypot(*RECT.hitch)
-    for theta in np.random.default_rng(2).uniform(-3, 3, 5):
-        drag = model.drag(Pose(0.0, 0.0, theta), ((20.0, 0.0),))
-        assert abs(trailing_angle(model, drag)) < 1e-7
-        held = model.drag(Pose(0.0, 0.0, theta), ((20.0, 0.0),), pin_friction_radius=0.004)
-        if held.turn != 0.0:
-            assert abs(trailing_angle(model, held)) == pytest.approx(math.asin(0.004 / lever), abs=1e-6)
-            assert math.copysign(1.0, trailing_angle(model, held)) == -math.copysign(1.0, held.turn)
-
-
 def test_way_points_and_radii_that_are_no_numbers_are_refused():
     refused(MODEL.drag, Pose(), ((math.nan, 0.0),), told="way-point x")
     for bad in (-0.001, math.nan, "rough"):

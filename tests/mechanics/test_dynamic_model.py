@@ -145,9 +145,8 @@ def test_a_drag_through_way_points_ends_with_the_ring_at_the_last():
     assert len(drag.trajectory.time) == 62 and np.all(np.diff(drag.trajectory.time) > 0.0)
 
 
-@pytest.mark.parametrize(
-    ("changes", "match"),
-    [
+def test_numbers_and_strokes_that_make_no_sense_are_refused_by_name():
+    for changes, told in (
         ({"speed": 0.0}, "speed must be positive"),
         ({"stiffness": -1.0}, "stiffness must be positive"),
         ({"stiffness": 1e3}, "would sink"),
@@ -156,37 +155,27 @@ def test_a_drag_through_way_points_ends_with_the_ring_at_the_last():
         ({"tolerance": 1e-12}, "1e-10 to 1e-3"),
         ({"footprint": PatchFootprint(SQUARE.outline)}, "support points"),
         ({"pusher": Pusher(radius=0.0)}, "thicker rod"),
-    ],
-)
-def test_numbers_that_make_no_sense_are_refused_by_name(changes, match):
-    refused(replace, model(), told=match, **changes)
-
-
-def test_strokes_that_cannot_be_are_refused():
-    concave = Slider(
-        Polygon(((0.05, 0.05), (0.0, 0.0), (-0.05, 0.05), (-0.05, -0.05), (0.05, -0.05))), hitch=(0.0, -0.02)
-    )
-    refused(model(slider=concave).push, Pose(), SidePush(side=3, fraction=0.5), told="convex")
+    ):
+        refused(replace, model(), told=told, **changes)
+    notched = Polygon(((0.05, 0.05), (0.0, 0.0), (-0.05, 0.05), (-0.05, -0.05), (0.05, -0.05)))
+    refused(model(slider=Slider(notched, hitch=(0.0, -0.02))).push, Pose(), SidePush(side=3), told="convex")
     refused(model().push, Pose(), SidePush(side=7), told="side 7")
-    refused(model().drag, Pose(), (SQUARE.hitch,), told="nothing to drag")
-    refused(model().drag, Pose(), ((math.nan, 0.0),), told="way-point")
-    for way_points in ((), 3.0, None, np.empty((0, 2))):
-        refused(model().drag, Pose(), way_points, told="way-points must be one place")
-    for place in ((1, 2, 3), (1.0,), 1.0, "ab"):
-        refused(model().drag, Pose(), (place,), told="way-point must be two finite numbers, not")
     refused(model().push, Pose(), SHORT, samples=0, told="samples")
+    for way_points, told in (
+        ((SQUARE.hitch,), "nothing to drag"),
+        (((math.nan, 0.0),), "way-point"),
+        *((bad, "way-points must be one place") for bad in ((), 3.0, None, np.empty((0, 2)))),
+        *(((place,), "way-point must be two finite numbers, not") for place in ((1, 2, 3), (1.0,), 1.0, "ab")),
+    ):
+        refused(model().drag, Pose(), way_points, told=told)
 
 
-def test_an_integrator_that_gives_up_says_what_to_try(monkeypatch):
+def test_a_slider_that_never_rests_and_an_integrator_that_gives_up_are_told(monkeypatch):
+    for name, value in {"_REST": 0.0, "_REST_CREEPS": 0.0, "_MOST_WAITS": 2}.items():
+        monkeypatch.setattr(dynamic_model, name, value)
+    refused(model().push, Pose(), SHORT, told="still moves", kind=ConvergenceError)
     monkeypatch.setattr(dynamic_model, "_MOST_STEPS", 5)
     refused(model(tolerance=1.234e-6).push, Pose(), SHORT, told="looser", kind=ConvergenceError)
-
-
-def test_a_slider_that_never_rests_is_told(monkeypatch):
-    monkeypatch.setattr(dynamic_model, "_REST", 0.0)
-    monkeypatch.setattr(dynamic_model, "_REST_CREEPS", 0.0)
-    monkeypatch.setattr(dynamic_model, "_MOST_WAITS", 2)
-    refused(model().push, Pose(), SHORT, told="still moves", kind=ConvergenceError)
 
 
 OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {"slim": Ellipse(0.08, 0.02)}

@@ -53,9 +53,15 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
     assert parse_footprint(str(path), SQUARE) == footprint
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
+def test_words_name_footprints():
+    assert parse_footprint("exact", SQUARE) == PatchFootprint(SQUARE)
+    assert parse_footprint("corners", SQUARE) == corner_footprint(SQUARE)
+    assert parse_footprint("grid:8", SQUARE) == grid_footprint(SQUARE, 8) == grid_footprint(SQUARE, np.int64(8))
+
+
+def test_files_words_points_and_grids_that_carry_no_object_are_refused(tmp_path):
+    path = tmp_path / "feet.csv"
+    for text, told in (
         ("x_mm,y_mm\n1,2\n", "column weight is missing"),
         ("", "the file is empty"),
         ("x_mm,y_mm,weight\n1,2,3\n4,5\n", "line 3"),
@@ -63,40 +69,18 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
         ("x_mm,y_mm,weight\n", "a header but no rows"),
         ("x_mm,y_mm,weight\n1,2,nan\n3,4,1\n", "finite"),
         ("x_mm,y_mm,weight\n1,2,1\n1,2,1\n", "two support points"),
-    ],
-)
-def test_a_bad_csv_file_is_told_by_name_in_one_line(tmp_path, text, told):
-    path = tmp_path / "feet.csv"
-    path.write_text(text)
-    refused(load_footprint, path, told=rf"feet\.csv.*{told}", kind=DataFileError)
-
-
-def test_words_name_footprints_and_others_are_refused():
-    assert parse_footprint("exact", SQUARE) == PatchFootprint(SQUARE)
-    assert parse_footprint("corners", SQUARE) == corner_footprint(SQUARE)
-    assert parse_footprint("grid:8", SQUARE) == grid_footprint(SQUARE, 8)
+    ):
+        path.write_text(text)
+        refused(load_footprint, path, told=rf"feet\.csv.*{told}", kind=DataFileError)
     for word in ("exct", "grid:", "grid:-1", "grid:1", "grid:x"):
         refused(parse_footprint, word, SQUARE)
     refused(parse_footprint, "corners", Ellipse(1.0, 1.0), told="polygons")
-
-
-@pytest.mark.parametrize(
-    ("positions", "weights"),
-    [
-        (((0, 0),), (1,)),
-        (((0, 0), (0, 0)), (1, 1)),
-        (((0, 0), (1, 0)), (1,)),
-        (((0, 0), (1, 0)), (1, -1)),
-        (((0, 0), (1, 0)), (0, 0)),
-        (((0, 0, 0), (1, 0, 0)), (1, 1)),
-    ],
-)
-def test_points_that_carry_no_object_are_refused(positions, weights):
-    refused(PointFootprint, positions, weights)
-
-
-def test_a_grid_takes_any_whole_number_of_points_a_side_and_no_other():
-    assert grid_footprint(SQUARE, np.int64(8)) == grid_footprint(SQUARE, 8)
+    pair = ((0, 0), (1, 0))
+    for weights in ((1,), (1, -1), (0, 0)):
+        refused(PointFootprint, pair, weights)
+    refused(PointFootprint, pair[:1], (1,))
+    for positions in (((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 0))):
+        refused(PointFootprint, positions, (1, 1))
     for count in (1, 0, -3, 2.5, True):
         refused(grid_footprint, SQUARE, count, told="points a side of a grid footprint")
 

@@ -76,6 +76,12 @@ def fake_plan(rows=5, columns=4, **options):
     return SweepPlan.grid("plywood", over, numbers=FakeNumbers(**options))
 
 
+def fake_sample(count, sequence="sobol", **options):
+    """A sample of fake points in the box of the grid."""
+    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
+    return SweepPlan.sample("plywood", ranges, count, sequence=sequence, numbers=FakeNumbers(**options))
+
+
 def swept(path, plan):
     """What a sweep of the plan in this process found, stored at `path`."""
     run_sweep(plan, path, workers=1)

@@ -10,16 +10,11 @@ from cyclemap.sweeps import portrait_numbers as module
 TOLERANCE = 1e-4
 
 
-@pytest.fixture(scope="module")
-def point():
-    """A point that changes friction, ring and noise."""
-    plan = SweepPlan.grid("plywood", {"mu_a": (0.26,), "hitch_x_mm": (-11.0,)}, {"noise_deg": 10.0})
-    return plan.point(0)
-
-
 @pytest.mark.slow
-def test_every_number_is_the_portraits_to_the_last_bit(point) -> None:
-    found = PortraitNumbers(("all",), TOLERANCE, rotation_tolerance=0.0)(point)
+def test_every_number_is_the_portraits_to_the_last_bit() -> None:
+    """At a point that changes friction, ring and noise."""
+    plan = SweepPlan.grid("plywood", {"mu_a": (0.26,), "hitch_x_mm": (-11.0,)}, {"noise_deg": 10.0})
+    found = PortraitNumbers(("all",), TOLERANCE, rotation_tolerance=0.0)(plan.point(0))
     loop = CollectionLoop.from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
     drawn = portrait(loop, sigma=float(np.radians(10.0)), cycles=1, tolerance=TOLERANCE)
     points, rotation, turns, operator = drawn.fixed_points, drawn.rotation, drawn.turns, drawn.operator

@@ -8,7 +8,7 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 import distributed
 import numpy as np
 import pytest
-from fake_numbers import FakeNumbers, fake_plan, logged
+from fake_numbers import FakeNumbers, fake_plan, fake_sample, logged
 from refusals import refused
 
 from cyclemap.errors import CycleMapError
@@ -131,15 +131,10 @@ def test_ctrl_c_waits_for_chunks_at_work_and_stores_them(tmp_path) -> None:
     assert sweep_status(path).stored == told[-1] > told[2]
 
 
-def sampled(count) -> SweepPlan:
-    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    return SweepPlan.sample("plywood", ranges, count, sequence="uniform", numbers=FakeNumbers())
-
-
 def peak_memory(path, count) -> int:
     tracemalloc.start()
     try:
-        run_sweep(sampled(count), path, workers=1)
+        run_sweep(fake_sample(count, "uniform"), path, workers=1)
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

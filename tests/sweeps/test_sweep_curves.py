@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fake_numbers import FakeNumbers, fake_plan, fake_values, swept
+from fake_numbers import FakeNumbers, fake_plan, fake_sample, fake_values, swept
 from refusals import refused
 
 from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptLines, SweptPlane, SweptScatter, sweep_curves
@@ -22,20 +22,16 @@ def test_angles_are_drawn_in_degrees(tmp_path) -> None:
     """The fake numbers have no turns; a real map of isotropic friction turns by its rotation number each cycle."""
     over = {"hitch_x_mm": (-10.607,), "hitch_y_mm": (10.607,)}
     numbers = PortraitNumbers(("rotation", "turns"), tolerance=1e-3)
-    curves = sweep_curves(
-        swept(tmp_path / "sweep.sqlite", SweepPlan.grid("isotropic", over, numbers=numbers)), ("mean_turn", "rotation")
-    )
+    plan = SweepPlan.grid("isotropic", over, numbers=numbers)
+    curves = sweep_curves(swept(tmp_path / "sweep.sqlite", plan), ("mean_turn", "rotation"))
     turn, rotation = (float(values[0, 0]) for _, values in curves.planes)
     assert turn == pytest.approx(74.52037 - 66.51814, abs=0.06)
     assert 360.0 * rotation == pytest.approx(turn, abs=0.06)
 
 
 def test_lines_run_along_the_key_with_every_fixed_point(tmp_path) -> None:
-    sweep = swept(
-        tmp_path / "sweep.sqlite",
-        SweepPlan.grid("plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers()),
-    )
-    curves = sweep_curves(sweep)
+    plan = SweepPlan.grid("plywood", {"hitch_x_mm": (0.0, -8.0, -4.0, -12.0)}, numbers=FakeNumbers())
+    curves = sweep_curves(swept(tmp_path / "sweep.sqlite", plan))
     assert isinstance(curves, SweptLines)
     assert curves.parameter.tolist() == curves.rotation_at.tolist() == [-12.0, -8.0, -4.0, 0.0]
     assert curves.lines[0][1].tolist() == [fake_values(0.25, x)["rotation"] for x in (-12.0, -8.0, -4.0, 0.0)]
@@ -47,17 +43,10 @@ def test_lines_run_along_the_key_with_every_fixed_point(tmp_path) -> None:
 
 @pytest.mark.slow
 def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(tmp_path) -> None:
-    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    curves = sweep_curves(
-        swept(
-            tmp_path / "sweep.sqlite", SweepPlan.sample("plywood", ranges, 32, numbers=FakeNumbers(refused_above=0.25))
-        )
-    )
-    assert isinstance(curves, SweptScatter)
-    assert curves.refused.sum() == 16
-    one = sweep_curves(
-        swept(tmp_path / "one.sqlite", SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3)}, 32, numbers=FakeNumbers()))
-    )
+    curves = sweep_curves(swept(tmp_path / "sweep.sqlite", fake_sample(32, refused_above=0.25)))
+    assert isinstance(curves, SweptScatter) and curves.refused.sum() == 16
+    plan = SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3)}, 32, numbers=FakeNumbers())
+    one = sweep_curves(swept(tmp_path / "one.sqlite", plan))
     assert isinstance(one, SweptLines) and np.all(np.diff(one.parameter) > 0.0)
 
 

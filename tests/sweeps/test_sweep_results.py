@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 import xarray
-from fake_numbers import FakeNumbers, fake_plan, fake_values, swept
+from fake_numbers import FakeNumbers, fake_plan, fake_sample, fake_values, swept
 from refusals import refused
 
 from cyclemap.sweeps import SweepPlan, to_dataset, write_csv, write_netcdf
@@ -27,9 +27,7 @@ def small(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
-    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    plan = SweepPlan.sample("plywood", ranges, 64, numbers=FakeNumbers())
-    return swept(tmp_path_factory.mktemp("sample") / "sweep.sqlite", plan)
+    return swept(tmp_path_factory.mktemp("sample") / "sweep.sqlite", fake_sample(64))
 
 
 def test_the_grid_has_each_number_at_its_place(sweep) -> None:

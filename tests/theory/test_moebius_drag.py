@@ -29,13 +29,6 @@ def test_the_half_angle_solution_satisfies_the_equation_of_motion_and_the_start(
     assert sp.simplify(tangent.subs(ELL, 0) - sp.tan(PSI / 2)) == 0
 
 
-def test_the_moebius_map_solves_the_same_equation_as_a_riccati_equation_of_z():
-    assert theory.riccati_residual() == 0
-    assert theory.leg_of_the_lever(theory.strength()).subs(ELL, 0) == Z
-    sine = (Z - 1 / Z) / (2 * sp.I)
-    assert sp.simplify(sp.I * Z * (-theory.rate() * sine) - theory.rate() * (1 - Z**2) / 2) == 0
-
-
 def test_the_moebius_map_is_the_half_angle_solution():
     """With t = tan(ψ/2), z = (1 + it)/(1 - it); the leg multiplies t by e^{-κℓ} = (1 - a)/(1 + a)."""
     t = sp.Symbol("t", real=True)
@@ -74,12 +67,6 @@ def test_a_bent_path_is_one_moebius_map_with_the_strength_of_the_product():
     assert abs(slope.min() / ((1.0 - whole) / (1.0 + whole)) - 1.0) < 1e-7
     mapped = sp.lambdify(Z, (matrix[0, 0] * Z + matrix[0, 1]) / (matrix[1, 0] * Z + matrix[1, 1]))
     assert np.abs(mapped(np.exp(1j * np.linspace(-np.pi, np.pi, 200_001))) - np.exp(1j * lever)).max() < 1e-12
-
-
-def test_a_leg_there_and_back_leaves_nothing():
-    u = sp.Symbol("u", real=True)
-    there, back = theory.turned_leg(A, u), theory.turned_leg(A, u + sp.pi)
-    assert sp.simplify(back.subs(Z, there) - Z) == 0
 
 
 def test_the_trails_map_is_the_codes_moebius_map():

@@ -30,10 +30,6 @@ def test_the_integral_at_tangency_is_the_gamma_function():
     assert sp.simplify(sp.integrate(euler, (power, 0, sp.oo)) - sp.gamma(sp.Rational(1, 6))) == 0
 
 
-def test_without_noise_the_flows_passage_is_left():
-    assert theory.without_noise_residual() == 0
-
-
 def test_the_well_takes_kramers_time():
     depth = sp.Symbol("e", positive=True)
     barrier = 4 * depth ** sp.Rational(3, 2) / (3 * D * sp.sqrt(A))

@@ -5,10 +5,21 @@ import inspect
 import pytest
 import sympy as sp
 
-from theory import contact_modes, offset_force, patch_dissipation, patch_limits, square_torque, traction_law
+from theory import (
+    contact_modes,
+    moebius_drag,
+    noisy_passage,
+    offset_force,
+    patch_dissipation,
+    patch_limits,
+    square_torque,
+    traction_law,
+    turned_surface,
+)
 
 COUNTS = {contact_modes: 15, offset_force: 6, patch_dissipation: 7, patch_limits: 6, square_torque: 9, traction_law: 9}
-QUICK = (patch_dissipation, traction_law)
+COUNTS |= {moebius_drag: 1, noisy_passage: 1, turned_surface: 2}
+QUICK = (moebius_drag, noisy_passage, patch_dissipation, traction_law, turned_surface)
 
 
 def residuals_of(module):

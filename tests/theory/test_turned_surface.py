@@ -19,11 +19,6 @@ def loop_on(law, way_points=()):
     return CollectionLoop.mit(material=Material("test", law), accuracy=1e-9, reset=DragBack(way_points))
 
 
-def test_the_residuals_are_zero():
-    assert theory.turning_residual() == sp.zeros(2, 1)
-    assert theory.leg_residual() == sp.zeros(2, 1)
-
-
 def test_the_support_function_is_the_codes():
     symbols = (theory.MU_A, theory.MU_B, theory.M0, theory.N0, theory.PHI, theory.THETA)
     symbols += (theory.VELOCITY_X, theory.VELOCITY_Y, theory.SPIN, theory.POINT_X, theory.POINT_Y)
