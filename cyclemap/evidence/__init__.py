@@ -32,7 +32,6 @@ Comparing
 ---------
 compare, Comparison, Verdict : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
-published_comparison : beside what is published of MIT's pushes
 collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
@@ -84,7 +83,6 @@ if TYPE_CHECKING:
         watson_statistic,
     )
     from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-    from cyclemap.evidence.published_statistics import published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import (
@@ -125,7 +123,6 @@ __all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "PeriodicLaw", "WornLaw
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
 __all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
-__all__ += ["published_comparison"]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
 __all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]
