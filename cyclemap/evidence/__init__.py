@@ -5,8 +5,7 @@ Reading
 load_pushes, PushTable, UnreadableFile : pushes and friction scans of files, folders, tables
 read_push_file, PushRecord, ScanRecord : one recording in full
 read_theta0_pairs, Theta0Pairs : orientations before successive pushes
-read_measured_pushes, MeasuredPush, read_measured_drags, MeasuredDrag : strokes from a table
-read_wrench_twists, WrenchTwists : wrenches and the twists they keep up
+MeasuredPush, MeasuredDrag, WrenchTwists : single strokes, and wrenches with the twists they keep up
 push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files name
 
 Fitting
@@ -56,7 +55,6 @@ if TYPE_CHECKING:
         WrenchTwists,
         friction_ellipse_from_scans,
         friction_scan_block,
-        read_wrench_twists,
         wrench_twist_block,
     )
     from cyclemap.evidence.data_blocks.stroke_block import cycle_pair_block, drag_turn_block, push_end_block
@@ -85,12 +83,7 @@ if TYPE_CHECKING:
     from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
-    from cyclemap.evidence.pushes.measured_strokes import (
-        MeasuredDrag,
-        MeasuredPush,
-        read_measured_drags,
-        read_measured_pushes,
-    )
+    from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
     from cyclemap.evidence.pushes.theta0_pairs import (
@@ -116,7 +109,7 @@ else:
 
 __all__ = ["Comparison", "Verdict", "compare"]
 __all__ += ["WrenchTwists", "collected_blocks", "cycle_pair_block", "drag_turn_block", "friction_ellipse_from_scans"]
-__all__ += ["friction_scan_block", "push_end_block", "read_wrench_twists", "wrench_twist_block"]
+__all__ += ["friction_scan_block", "push_end_block", "wrench_twist_block"]
 __all__ += ["DataBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
 __all__ += ["identified_material", "identify"]
 __all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
@@ -126,7 +119,7 @@ __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
 __all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]
-__all__ += ["contact_force_ratio", "load_pushes", "measured_overlay", "read_measured_drags", "read_measured_pushes"]
+__all__ += ["contact_force_ratio", "load_pushes", "measured_overlay"]
 __all__ += ["read_push_file", "read_theta0_pairs", "turn_bins"]
 __all__ += ["Replay", "ReplayedPushes", "dataset_sliders", "replay_push", "replay_pushes"]
 __all__ += ["RecordingNoise", "SimulatedCollection", "simulate_collection"]

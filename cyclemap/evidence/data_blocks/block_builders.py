@@ -32,14 +32,13 @@ from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progr
 from cyclemap.evidence.identification.surface_parameters import Parameter
 from cyclemap.evidence.pushes.measured_strokes import (
     NO_LENGTH,
-    CsvSelection,
     MeasuredPush,
     RowSelection,
     pushes_of,
     read_measured_drags,
     read_measured_pushes,
-    select_csv,
     select_pushes,
+    selected_rows,
     told,
     told_push,
 )
@@ -47,7 +46,7 @@ from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
-from cyclemap.text_files import read_csv_table
+from cyclemap.text_files import CsvRow, CsvTable, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -143,19 +142,20 @@ class BlockBuilder:
         self.path = path
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
-            rows = select_csv(path, selection)
-            left_out, surfaces, objects = rows.left_out, rows.surfaces, rows.objects
+            table = read_csv_table(path)
+            rows, facts, left_out = selected_rows(table, selection)
+            surfaces, objects = (told(one[name] for one in facts) for name in ("surface", "object"))
         else:
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
-            surfaces, objects = (told(pushes.table, name) | told(pushes.scans, name) for name in ("surface", "object"))
+            surfaces, objects = (told(pushes.table[name]) | told(pushes.scans[name]) for name in ("surface", "object"))
         self._leave_out(left_out)
         plates = [] if len(surfaces) > 1 else sorted(objects) or [self.given.slider.name]
         for number, plate in enumerate(plates):
             self.plate, self.loop, alone = plate, loop_of_plate(self.given, plate), len(plates) < 2
             if is_table:
-                own_rows = rows if alone else select_csv(path, replace(selection, objects=(plate,)))
-                if own_rows.texts:
-                    self._add_table(sort, own_rows)
+                own_rows = rows if alone else selected_rows(table, replace(selection, objects=(plate,)))[0]
+                if own_rows:
+                    self._add_table(sort, table, own_rows)
                 continue
             own = pushes if alone else pushes_of(pushes, plate)
             if sort == CYCLES:
@@ -293,40 +293,25 @@ class BlockBuilder:
         if kept:
             self._add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
 
-    def _add_table(self, sort: str, rows: CsvSelection) -> None:
-        """Add what a CSV table of push ends, drag-backs, or wrenches and twists tells."""
+    def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+        """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
         if sort == PUSH_ENDS:
-            pushes: list[MeasuredPush] = []
-            count = 0
-            for texts in rows.texts:
-                # The contacts of several selections are numbered on.
-                part = read_measured_pushes(self.path, texts)
-                pushes += [replace(push, contact=count + push.contact) for push in part]
-                count = max((push.contact for push in pushes), default=-1) + 1
-            self._leave_out(Counter({"the tip was not where it was sent": sum(rows.rows) - len(pushes)}))
-            if count < _FEWEST_CONTACTS:
-                pushes = [replace(push, contact=number) for number, push in enumerate(pushes)]
+            pushes = read_measured_pushes(table, rows)
+            self._leave_out(Counter({"the tip was not where it was sent": len(rows) - len(pushes)}))
+            if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
+                pushes = tuple(replace(push, contact=number) for number, push in enumerate(pushes))
             self._add_push_ends(pushes)
         elif sort == DRAG_BACKS:
-            drags = [drag for texts in rows.texts for drag in read_measured_drags(self.path, texts)]
-            kept = _thinned([replace(drag, contact=k) for k, drag in enumerate(drags)], self.most)
+            drags = read_measured_drags(table, rows)
+            kept = _thinned(drags, self.most)
             self._add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
         else:
-            self._add_wrenches(next(iter(rows.surfaces), None), bool(rows.left_out))
-
-    def _add_wrenches(self, surface: str | None, several: bool) -> None:
-        if several and surface is None:
-            self._note("not used: rows of several objects, and no surface to tell them apart")
-            return
-        outline = self.loop.slider.outline
-        data = read_wrench_twists(self.path, rho=outline.extent, surface=surface)
-        scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
-        block = wrench_twist_block(data, outline, self.loop.model.weight)
-        self._add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
-        table = read_csv_table(self.path)
-        if "source" in table.header:
-            same = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
-            sources = sorted({table.text(row, "source") for row in same})
+            outline = self.loop.slider.outline
+            data = read_wrench_twists(table, rows, outline.extent)
+            scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
+            block = wrench_twist_block(data, outline, self.loop.model.weight)
+            self._add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
+            sources = sorted({table.text(row, "source") for row in rows}) if "source" in table.header else []
             if len(sources) > 1:
                 listed = ", ".join(sources)
                 self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
