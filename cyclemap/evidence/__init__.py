@@ -11,7 +11,7 @@ push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files 
 Fitting
 -------
 fit_map, FittedMap : a cycle map from pairs
-fit_periodic_law, PeriodicLaw, LawBand, fit_worn_law, WornLaw : a periodic function of θ, its bands, one that wears
+fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ with its bands, one that wears
 fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path
@@ -48,8 +48,7 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.evidence.comparison.compare import compare
-    from cyclemap.evidence.comparison.verdicts import Comparison, Verdict
+    from cyclemap.evidence.comparison.compare import Comparison, Verdict, compare
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
@@ -70,7 +69,7 @@ if TYPE_CHECKING:
         fit_worn_law,
         measured_staircase,
     )
-    from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
+    from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
     from cyclemap.evidence.orientations.circular_distance import (
         CircularLaw,
         PValue,
@@ -112,7 +111,7 @@ __all__ += ["WrenchTwists", "collected_blocks", "cycle_pair_block", "drag_turn_b
 __all__ += ["friction_scan_block", "push_end_block", "wrench_twist_block"]
 __all__ += ["DataBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
 __all__ += ["identified_material", "identify"]
-__all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
+__all__ += ["FittedMap", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
 __all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]

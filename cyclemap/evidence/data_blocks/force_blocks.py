@@ -161,13 +161,8 @@ class WrenchTwists:
             raise InvalidInput(f"{len(self.wrench)} wrenches and {len(self.twist)} twists: there must be one of each")
         for row in np.flatnonzero(np.all(self.twist == 0.0, axis=1))[:1]:
             raise InvalidInput(f"twist {row} is zero: friction is not unique at rest; leave it out")
-        if np.median(self.power) < 0.0:
+        if np.median(np.sum(self.wrench * self.twist, axis=1)) < 0.0:
             raise InvalidInput("most wrenches take power from the object: turn their signs, if it was the pusher's")
-
-    @property
-    def power(self) -> Array:
-        """(n,) W, that the pusher gives."""
-        return np.asarray(np.sum(self.wrench * self.twist, axis=1))
 
     def contact_pieces(self, outline: Outline) -> Labels:
         """Return on which of equally long pieces of the outline (n,) the pusher touched; -1 where that cannot be.

@@ -26,7 +26,6 @@ from cyclemap.evidence.laws.periodic_law import (
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import (
     CircleMap,
-    DriftingMap,
     Staircase,
     StaircaseSummary,
     StepComparison,
@@ -39,8 +38,6 @@ from cyclemap.maps import (
 )
 
 MAX_WEAR_DEGREE, HARMONICS = 4, 6
-# Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
-_BLEND_TOLERANCE = 1e-4
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
 
@@ -174,16 +171,6 @@ class FittedMap:
         Raises InvalidInput where the pairs were fitted without cycle numbers.
         """
         return map_of_turn(self._worn().at(cycle))
-
-    def drifting_map(self, cycles: int, first: float | None = None) -> DriftingMap:
-        """The map that wears as measured, for ``cycles`` cycles; its cycle 0 is the measured cycle ``first``.
-
-        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad.
-        """
-        worn = self._worn()
-        start = worn.first if first is None else finite_number("first", first)
-        count = whole_number("cycles", cycles, least=1)
-        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, _BLEND_TOLERANCE)
 
     def paths(self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0) -> Array:
         """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad, unwrapped, starts first.
