@@ -56,8 +56,8 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
     path = sample_staircase(truth, WrappedNormal(0.03), 3000, seed=2).theta
     fitted = fit_map(path[:-1], path[1:], noise_harmonics=None)
     assert fitted.law.harmonics == 1
-    assert fitted.pairs == 3000
-    assert fitted.sigma == pytest.approx(0.03, rel=0.05)
+    assert fitted.law.count == 3000
+    assert fitted.law.sigma == pytest.approx(0.03, rel=0.05)
     assert np.allclose(fitted.law.noise(GRID), 0.03, rtol=0.15)
     assert np.all(np.abs(fitted.law(GRID) - truth.turn(GRID)) <= fitted.law.half_bands(GRID, level=0.9999)[0])
 
@@ -82,7 +82,7 @@ def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> 
         law = fit_worn_law(theta, theta_next - theta, cycle, harmonics=2, degree=1)
         worn = [(law.at(n), worn_turn(GRID, n)) for n in (0.0, 600.0, 999.0)]
         covered.append([np.abs(one(GRID) - truth) <= one.half_bands(GRID)[0] for one, truth in worn])
-        assert law.sigma == pytest.approx(0.03, rel=0.1)
+        assert law.whole.sigma == pytest.approx(0.03, rel=0.1)
     assert degrees.count(1) >= 0.9 * runs
     assert np.mean(covered) == pytest.approx(0.95, abs=0.03)
 
@@ -107,7 +107,7 @@ def test_worn_paths_are_those_of_the_drifting_map() -> None:
     starts = np.zeros(400)
     own = fitted.paths(starts, 300, first=200, seed=1)
     blend = DriftingMap.of_family(fitted.map_at, lambda n: 200 + n, 300, 1e-4)
-    other = sample_staircases(blend, WrappedNormal(fitted.wear.sigma), 300, starts, seed=2)
+    other = sample_staircases(blend, WrappedNormal(fitted.wear.whole.sigma), 300, starts, seed=2)
     climbs = np.stack([own[:, -1], other[:, -1]])
     error = float(np.sqrt(np.sum(np.var(climbs, axis=1)) / 400))
     assert own.shape == (400, 301)
@@ -144,7 +144,7 @@ def test_a_map_without_numbered_cycles_makes_no_worn_ones() -> None:
 def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_data: Path) -> None:
     pairs = read_theta0_pairs(measured_data / STAIRCASE)
     fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None)
-    assert (fitted.pairs, pairs.path.size) == (1996, 2000)
+    assert (fitted.law.count, pairs.path.size) == (1996, 2000)
     six = fit_map(pairs.theta, pairs.theta_next, harmonics=6)
     assert six.sigma == pytest.approx(DEFAULT_SIGMA, rel=0.02)
     assert fitted.wear is not None
@@ -165,7 +165,7 @@ def made(cycles: int = 4_000) -> Theta0Pairs:
 @pytest.mark.slow
 def test_the_law_behind_made_data_is_found_again() -> None:
     found, truth = measured_staircase(made()), predict_staircase(MAP, NOISE)
-    assert found.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
+    assert found.fitted.law.sigma == pytest.approx(NOISE.sigma, rel=0.05)
     assert found.prediction.step == truth.step
     assert found.cycles_a_turn == pytest.approx(4_000 * TURN / np.ptp(found.path[[0, -1]]))
     assert found.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
