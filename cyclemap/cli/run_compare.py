@@ -179,10 +179,10 @@ def _directions(found: cycle_agreement.DirectionAgreement) -> Json:
 
 def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
     return {
-        "turns": _simulated(found.turns, 1.0),
-        "steps": _simulated(found.step_count, 1.0),
-        "step_height_deg": _simulated(found.step_height, _DEGREE),
-        "residence_cycles": _simulated(found.residence, 1.0),
+        "turns": _simulated(found.quantities["turns"], 1.0),
+        "steps": _simulated(found.quantities["steps"], 1.0),
+        "step_height_deg": _simulated(found.quantities["step_height"], _DEGREE),
+        "residence_cycles": _simulated(found.quantities["residence"], 1.0),
         "theory": None if found.theory is None else comparison_report(found.theory, errors=False),
     }
 

@@ -122,7 +122,7 @@ def inferred(name: str) -> Material:
         print(f"{name}: {note}", flush=True)
     material = identified_material(found, name, [SOURCE])
     words = material.provenance + LIMITS + ("" if published.directions else UNTURNED) + "."
-    words += "" if found.converged else " The search was stopped a little short of the optimum."
+    words += "" if found.fit.converged else " The search was stopped a little short of the optimum."
     return replace(material, provenance=words, misfit=published_comparison(material).sentence)
 
 

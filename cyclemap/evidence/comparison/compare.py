@@ -58,6 +58,13 @@ LEVEL = 0.05
 _DEG = float(np.degrees(1.0))
 # Of each quantity its name for people, its unit, and the factor to that.
 _NAMES = {"dtheta": ("turn of a push", "°", _DEG), "dx": ("Δx", " mm", 1000.0), "dy": ("Δy", " mm", 1000.0)}
+# Of each number of a staircase its name, the factor to its unit, that unit, and how many decimals are told.
+_STAIRCASE = {
+    "turns": ("number of turns", 1.0, " turns", 1),
+    "steps": ("number of steps", 1.0, " steps", 0),
+    "step_height": ("step height", _DEG, "°", 0),
+    "residence": ("residence on a step", 1.0, " cycles", 0),
+}
 _KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slow zone"}
 
 Progress = Callable[[float], None]
@@ -130,13 +137,8 @@ class Comparison:
         if self.directions is not None:
             found += [_direction_verdict(one) for one in self.directions.matches]
         if self.staircase is not None:
-            asked = [
-                _quantity_verdict("number of turns", self.staircase.turns, 1.0, " turns", 1),
-                _quantity_verdict("number of steps", self.staircase.step_count, 1.0, " steps", 0),
-                _quantity_verdict("step height", self.staircase.step_height, _DEG, "°", 0),
-                _quantity_verdict("residence on a step", self.staircase.residence, 1.0, " cycles", 0),
-            ]
-            found += [one for one in asked if one is not None]
+            asked = ((_STAIRCASE[name], one) for name, one in self.staircase.quantities.items())
+            found += [verdict for told, one in asked if (verdict := _quantity_verdict(*told, one)) is not None]
         return tuple(found)
 
 
@@ -307,7 +309,7 @@ def _direction_verdict(found: DirectionMatch) -> Verdict:
     return Verdict(place, kept, words)
 
 
-def _quantity_verdict(name: str, found: SimulatedQuantity, scale: float, unit: str, digits: int) -> Verdict | None:
+def _quantity_verdict(name: str, scale: float, unit: str, digits: int, found: SimulatedQuantity) -> Verdict | None:
     if found.measured is None and found.predicted is None:
         return None
     measured = "none" if found.measured is None else f"{_fixed(scale * found.measured, digits)}{unit}"

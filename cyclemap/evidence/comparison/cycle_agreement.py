@@ -208,18 +208,15 @@ class StaircaseAgreement:
     """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths in cycles.
 
     steps : found in the measured path without a model. run : one simulated collection, (n,) rad.
-    turns : whole turns climbed. step_height, residence : medians over the steps and the dwells of a collection, dwells
-        that its ends cut off included.
+    quantities : turns, whole ones climbed; steps; step_height, residence: medians over the steps and the dwells of a
+        collection, dwells that its ends cut off included.
     theory : the visits to the predicted zones and the pace, against their exact law; None for a map that wears and
         where that law could not be computed.
     """
 
     steps: Steps
     run: Array
-    turns: SimulatedQuantity
-    step_count: SimulatedQuantity
-    step_height: SimulatedQuantity
-    residence: SimulatedQuantity
+    quantities: dict[str, SimulatedQuantity]
     theory: StepComparison | None
 
 
@@ -237,11 +234,11 @@ def staircase_agreement(
     for done, one in enumerate(null, 1):
         found.append(_numbers(one, find_steps(one)))
         report(done / len(null))
-    both = zip(_numbers(path, steps), np.array(found).T, strict=True)
-    quantities = [simulated_quantity(value, column) for value, column in both]
-    named = dict(zip(("turns", "step_count", "step_height", "residence"), quantities, strict=True))
+    names, columns = ("turns", "steps", "step_height", "residence"), zip(*found, strict=True)
+    both = zip(names, _numbers(path, steps), columns, strict=True)
+    quantities = {name: simulated_quantity(value, np.array(column)) for name, value, column in both}
     theory = None if summary is None else compare_steps(find_steps(path, zones=summary.zones or None), summary)
-    return StaircaseAgreement(steps, null[0], theory=theory, **named)
+    return StaircaseAgreement(steps, null[0], quantities, theory)
 
 
 def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:

@@ -39,7 +39,9 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import (
+    DRAG_COLUMNS,
     NO_LENGTH,
+    PUSH_END_COLUMNS,
     MeasuredPush,
     RowSelection,
     pushes_of,
@@ -64,12 +66,7 @@ MOST_STROKES = 2000
 _OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
 PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = "push ends", "drag-backs", "wrenches", "cycles", "records"
 
-_START, _END = ({"x0", "y0", "th0"}, {"x1", "y1", "th1"})
-_COLUMNS = {
-    PUSH_ENDS: _START | _END | {"tip_x0", "tip_y0", "tip_x1", "tip_y1"},
-    DRAG_BACKS: _END | {"x0n", "y0n", "th0n"},
-    WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS},
-}
+_COLUMNS = {PUSH_ENDS: {*PUSH_END_COLUMNS}, DRAG_BACKS: {*DRAG_COLUMNS}, WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS}}
 _ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses (x0,y0,th0,x1,y1,th1), better with "
@@ -354,8 +351,7 @@ class CollectedBlocks:
 
     blocks : of unlike names; of several objects each is that of a plate. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
-    scans : (n, 2) tractions of friction scans, None without. last_cycle : number of the last
-    cycle behind the first one used, 0 where it is unknown.
+    scans : (n, 2) tractions of friction scans. last_cycle : how many the last is behind the first; 0 where unknown.
     """
 
     blocks: tuple[DataBlock, ...]

@@ -24,7 +24,7 @@ Place = tuple[float, float]
 LARGEST_TIP_ERROR = 5e-3
 NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
-_DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
+DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
 
 
 @dataclass(frozen=True)
@@ -185,10 +185,10 @@ def told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePu
 
 def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredDrag, ...]:
     """Read drags from rows of a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad)."""
-    require_columns(table, _DRAG_COLUMNS)
+    require_columns(table, DRAG_COLUMNS)
     drags = []
     for label, row in enumerate(rows):
-        x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in _DRAG_COLUMNS)
+        x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in DRAG_COLUMNS)
         end = Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1)))
         drags.append(MeasuredDrag(Pose(x1, y1, theta1), end, label))
     return tuple(drags)

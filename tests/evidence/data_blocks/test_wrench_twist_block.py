@@ -40,7 +40,7 @@ def made_block(wrenches=WRENCHES, twists=TWISTS, weight=WEIGHT):
 
 def test_without_noise_friction_and_rim_share_come_back_exactly() -> None:
     found = identify([made_block()], PARAMETERS, starts=3)
-    assert found.converged and found.starts.arrived == 3
+    assert found.fit.converged and found.starts.arrived == 3
     assert found.values == pytest.approx({**PARTS, **TRUTH}, abs=1e-9)
 
 
