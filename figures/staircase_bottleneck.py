@@ -110,7 +110,7 @@ def measured_bottleneck(file: Path) -> Bottleneck:
     if pairs.path is None:
         raise InvalidInput(f"{file}: the pairs come in no known order; a staircase needs one row a push in order")
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
-    found = bottleneck("measured plywood", fitted.map, fitted.law.sigma, pairs.path, turn_bins(pairs))
+    found = bottleneck("measured plywood", fitted.map, fitted.sigma, pairs.path, turn_bins(pairs))
     if pairs.cycle is None:
         return found
     worn = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, harmonics=HARMONICS, wear_degree=WEAR_DEGREE)

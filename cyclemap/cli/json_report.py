@@ -170,8 +170,8 @@ def measured_report(measured: MeasuredStaircase) -> Json:
         **steps_report(measured.steps),
         "fitted": {
             "harmonics": measured.fitted.law.harmonics,
-            "pairs": measured.fitted.law.count,
-            "noise_deg": degrees(measured.fitted.law.sigma),
+            "pairs": measured.fitted.pairs,
+            "noise_deg": degrees(measured.fitted.sigma),
             **_with_zones(measured.prediction),
         },
         "comparison": comparison_report(measured.comparison),

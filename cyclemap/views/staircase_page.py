@@ -96,7 +96,7 @@ def measured_sentence(measured: MeasuredStaircase) -> str:
 def fitted_sentence(measured: MeasuredStaircase) -> str:
     """What the map fitted to the data predicts, beside what was measured."""
     fitted, comparison = measured.prediction, measured.comparison
-    law = f"{measured.fitted.law.harmonics} harmonics and {angle(measured.fitted.law.sigma)} of noise"
+    law = f"{measured.fitted.law.harmonics} harmonics and {angle(measured.fitted.sigma)} of noise"
     if fitted.step is None or comparison.net_steps is None or comparison.expected_steps is None:
         return f"The map fitted to them ({law}) has no flat step."
     climbed = f"where {comparison.net_steps:.1f} were climbed"

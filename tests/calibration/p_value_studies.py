@@ -62,7 +62,7 @@ def mean_errors(count: int, runs: int, seed: int) -> Found:
 def fit_still(path: np.ndarray) -> CollectionModel:
     """Two harmonics, and the scatter about them."""
     fitted = fit_map(path[:-1], path[1:], harmonics=2)
-    return CollectionModel(fitted.map, WrappedNormal(fitted.law.sigma))
+    return CollectionModel(fitted.map, WrappedNormal(fitted.sigma))
 
 
 def fit_worn(path: np.ndarray) -> CollectionModel:

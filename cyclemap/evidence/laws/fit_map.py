@@ -150,6 +150,16 @@ class FittedMap:
         """The fitted map, of degree 1, with its exact derivative."""
         return map_of_turn(self.law)
 
+    @property
+    def sigma(self) -> float:
+        """Radians, root mean square scatter of one cycle about ``map``."""
+        return self.law.sigma
+
+    @property
+    def pairs(self) -> int:
+        """How many pairs were fitted."""
+        return self.law.count
+
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one cycle; outside the measured cycles, that of the nearest.
 
@@ -200,7 +210,7 @@ def fit_map(
 
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
-    >>> round(float(fitted.map.derivative(0.0)), 9), fitted.law.count
+    >>> round(float(fitted.map.derivative(0.0)), 9), fitted.pairs
     (0.8, 60)
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
@@ -259,9 +269,9 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     if path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
-    if fitted.law.sigma < _LEAST_SCATTER:
+    if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
-    noise, fitted_map = WrappedNormal(fitted.law.sigma), fitted.map
+    noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
     prediction, steps = predict_staircase(fitted_map, noise), find_steps(path)
     visits = find_steps(path, zones=prediction.zones) if prediction.zones else steps
     run = sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed)

@@ -56,8 +56,8 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
     path = sample_staircase(truth, WrappedNormal(0.03), 3000, seed=2).theta
     fitted = fit_map(path[:-1], path[1:], noise_harmonics=None)
     assert fitted.law.harmonics == 1
-    assert fitted.law.count == 3000
-    assert fitted.law.sigma == pytest.approx(0.03, rel=0.05)
+    assert fitted.pairs == 3000
+    assert fitted.sigma == pytest.approx(0.03, rel=0.05)
     assert np.allclose(fitted.law.noise(GRID), 0.03, rtol=0.15)
     assert np.all(np.abs(fitted.law(GRID) - truth.turn(GRID)) <= fitted.law.half_bands(GRID, level=0.9999)[0])
 
@@ -144,7 +144,7 @@ def test_a_map_without_numbered_cycles_makes_no_worn_ones() -> None:
 def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_data: Path) -> None:
     pairs = read_theta0_pairs(measured_data / STAIRCASE)
     fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None)
-    assert (fitted.law.count, pairs.path.size) == (1996, 2000)
+    assert (fitted.pairs, pairs.path.size) == (1996, 2000)
     six = fit_map(pairs.theta, pairs.theta_next, harmonics=6)
     assert six.sigma == pytest.approx(DEFAULT_SIGMA, rel=0.02)
     assert fitted.wear is not None
@@ -165,7 +165,7 @@ def made(cycles: int = 4_000) -> Theta0Pairs:
 @pytest.mark.slow
 def test_the_law_behind_made_data_is_found_again() -> None:
     found, truth = measured_staircase(made()), predict_staircase(MAP, NOISE)
-    assert found.fitted.law.sigma == pytest.approx(NOISE.sigma, rel=0.05)
+    assert found.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
     assert found.prediction.step == truth.step
     assert found.cycles_a_turn == pytest.approx(4_000 * TURN / np.ptp(found.path[[0, -1]]))
     assert found.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
