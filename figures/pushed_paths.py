@@ -18,7 +18,6 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
-from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
@@ -26,6 +25,7 @@ from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
 from .measured_sets import listed, measured_run, measured_theta0, not_found, push_file_names, readable_pushes
+from .published_statistics import published_statistics
 from .simulated_collections import NOISE, STANDS_FOR
 
 CYCLES, DRAWN = 2000, 250

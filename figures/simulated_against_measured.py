@@ -14,7 +14,6 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
-from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.evidence.pushes.theta0_pairs import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint
@@ -32,6 +31,7 @@ from cyclemap.views.style import (
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .measured_sets import MeasuredRun, measured_run, measured_theta0
+from .published_statistics import published_statistics
 
 SURFACE = "plywood"
 # As in the paper.

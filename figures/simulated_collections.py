@@ -15,11 +15,11 @@ from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import PushSet, Theta0Pairs, set_laws
-from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
 from cyclemap.maps import CircleMap, DriftingMap, Staircase, WrappedNormal, sample_staircase, transfer_operator
 
 from .catalogue import MeasuredFolder
 from .measured_sets import measured_run
+from .published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it
 # alone wears and climbs as the robot saw it; Table I's plywood locks in and stays.

@@ -6,10 +6,10 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import push_statistics
-from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 
 from .catalogue import MeasuredFolder
 from .measured_sets import not_found
+from .published_statistics import PUBLISHED_CYCLES
 from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, material_pushes
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} mean ({unit})", f"std ({unit})", "% of mean")]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from cyclemap.evidence import SetLaws
-from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 from cyclemap.evidence.tables.set_fit import MotionLaw
 
 from .catalogue import MeasuredFolder
 from .measured_sets import listed, not_found
+from .published_statistics import PUBLISHED_CYCLES
 from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, fitted_laws, material_pushes
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")]

@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.views.style import new_figure, picture_style
 
 from .catalogue import MeasuredFolder
+from .published_statistics import published_statistics
 from .pushed_paths import (
     CYCLES,
     DRAWN,

@@ -10,9 +10,8 @@ from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
-from cyclemap.evidence.comparison.compare import compare
+from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement, mean_distances
-from cyclemap.evidence.comparison.verdicts import Comparison
 from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
@@ -180,10 +179,10 @@ def _directions(found: cycle_agreement.DirectionAgreement) -> Json:
 
 def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
     return {
-        "turns": _simulated(found.turns, 1.0),
-        "steps": _simulated(found.step_count, 1.0),
-        "step_height_deg": _simulated(found.step_height, _DEGREE),
-        "residence_cycles": _simulated(found.residence, 1.0),
+        "turns": _simulated(found.quantities["turns"], 1.0),
+        "steps": _simulated(found.quantities["steps"], 1.0),
+        "step_height_deg": _simulated(found.quantities["step_height"], _DEGREE),
+        "residence_cycles": _simulated(found.quantities["residence"], 1.0),
         "theory": None if found.theory is None else comparison_report(found.theory, errors=False),
     }
 

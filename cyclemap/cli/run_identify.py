@@ -79,7 +79,7 @@ def run_identify(
             space=space,
             progress=report,
         )
-    if not found.converged:
+    if not found.fit.converged:
         raise ConvergenceError(f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters")
     sources = [f"{path.name} from cycle {first} on" if first else path.name for path in data]
     name = name or f"{collected.surface or chosen.get('surface', 'surface')}-identified"
@@ -143,7 +143,7 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "inferred": material.inferred,
         "friction": _friction(material.friction),
         "worn": None if wear is None else {"cycles": wear.cycles, **_friction(wear.friction)},
-        "converged": found.converged,
+        "converged": found.fit.converged,
         "level": found.level,
         "parameters": [_parameter(one) for one in found.estimates],
         "plates": {one.plate: {key: number(value) for key, value in one.shares.items()} for one in material.plates},

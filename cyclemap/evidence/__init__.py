@@ -5,14 +5,13 @@ Reading
 load_pushes, PushTable, UnreadableFile : pushes and friction scans of files, folders, tables
 read_push_file, PushRecord, ScanRecord : one recording in full
 read_theta0_pairs, Theta0Pairs : orientations before successive pushes
-read_measured_pushes, MeasuredPush, read_measured_drags, MeasuredDrag : strokes from a table
-read_wrench_twists, WrenchTwists : wrenches and the twists they keep up
+MeasuredPush, MeasuredDrag, WrenchTwists : single strokes, and wrenches with the twists they keep up
 push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files name
 
 Fitting
 -------
 fit_map, FittedMap : a cycle map from pairs
-fit_periodic_law, PeriodicLaw, LawBand, fit_worn_law, WornLaw : a periodic function of θ, its bands, one that wears
+fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ with its bands, one that wears
 fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path
@@ -32,7 +31,6 @@ Comparing
 ---------
 compare, Comparison, Verdict : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
-published_comparison : beside what is published of MIT's pushes
 collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
@@ -50,14 +48,12 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.evidence.comparison.compare import compare
-    from cyclemap.evidence.comparison.verdicts import Comparison, Verdict
+    from cyclemap.evidence.comparison.compare import Comparison, Verdict, compare
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
         friction_ellipse_from_scans,
         friction_scan_block,
-        read_wrench_twists,
         wrench_twist_block,
     )
     from cyclemap.evidence.data_blocks.stroke_block import cycle_pair_block, drag_turn_block, push_end_block
@@ -73,7 +69,7 @@ if TYPE_CHECKING:
         fit_worn_law,
         measured_staircase,
     )
-    from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
+    from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
     from cyclemap.evidence.orientations.circular_distance import (
         CircularLaw,
         PValue,
@@ -84,15 +80,9 @@ if TYPE_CHECKING:
         watson_statistic,
     )
     from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-    from cyclemap.evidence.published_statistics import published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
-    from cyclemap.evidence.pushes.measured_strokes import (
-        MeasuredDrag,
-        MeasuredPush,
-        read_measured_drags,
-        read_measured_pushes,
-    )
+    from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
     from cyclemap.evidence.pushes.theta0_pairs import (
@@ -118,18 +108,17 @@ else:
 
 __all__ = ["Comparison", "Verdict", "compare"]
 __all__ += ["WrenchTwists", "collected_blocks", "cycle_pair_block", "drag_turn_block", "friction_ellipse_from_scans"]
-__all__ += ["friction_scan_block", "push_end_block", "read_wrench_twists", "wrench_twist_block"]
+__all__ += ["friction_scan_block", "push_end_block", "wrench_twist_block"]
 __all__ += ["DataBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
 __all__ += ["identified_material", "identify"]
-__all__ += ["FittedMap", "LawBand", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
+__all__ += ["FittedMap", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
 __all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
-__all__ += ["published_comparison"]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
 __all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]
-__all__ += ["contact_force_ratio", "load_pushes", "measured_overlay", "read_measured_drags", "read_measured_pushes"]
+__all__ += ["contact_force_ratio", "load_pushes", "measured_overlay"]
 __all__ += ["read_push_file", "read_theta0_pairs", "turn_bins"]
 __all__ += ["Replay", "ReplayedPushes", "dataset_sliders", "replay_push", "replay_pushes"]
 __all__ += ["RecordingNoise", "SimulatedCollection", "simulate_collection"]

@@ -50,10 +50,6 @@ class RecordingNoise:
             name = f"noise of the {field.name}"
             object.__setattr__(self, field.name, non_negative_number(name, getattr(self, field.name)))
 
-    def of_poses(self, count: int, generator: np.random.Generator) -> Array:
-        """Errors (count, 3) of poses: m, m, rad."""
-        return generator.standard_normal((count, 3)) * (self.position, self.position, self.angle)
-
     def of_wrenches(self, count: int, lever: float, generator: np.random.Generator) -> Array:
         """Errors (count, 3) of wrenches: N, N, N m, the torque's by a `lever` (m)."""
         return generator.standard_normal((count, 3)) * (self.force, self.force, self.force * lever)
@@ -109,11 +105,12 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     )
     states = _states(push, distance, np.concatenate([object_way, wrench_way]))
     pose = states[: len(object_way), :3] + (*MIT_TARGET, 0.0)
-    pose += recording.noise.of_poses(len(pose), generator)
+    noise = recording.noise
+    pose += generator.standard_normal((len(pose), 3)) * (noise.position, noise.position, noise.angle)
     pose[:, 2] = shorter_way(pose[:, 2])
     force, lever = -states[len(object_way) :, 3:5], states[len(object_way) :, 5:]
     wrench = np.column_stack([force, lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]])
-    wrench += recording.noise.of_wrenches(len(wrench), recording.rod_radius, generator)
+    wrench += noise.of_wrenches(len(wrench), recording.rod_radius, generator)
     strokes = push.course.strokes
     direction = strokes.direction + (push.start.theta if strokes.with_object else 0.0)
     toward = np.array([math.cos(direction), math.sin(direction)])

@@ -264,9 +264,7 @@ def simulate_collection(
     ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to `loop.accuracy`) and α_n the
     turn by a gripper, if any. The drag back is not recorded. See `record_push` for the series and their accuracy.
 
-    asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), cycle_noise (`LocalNoise`), speed (m/s),
-    wear_to (`Material`), seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction
-    done.
+    asked : the other fields of `CollectionPlan`. progress : called with the fraction done.
 
     Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run that was broken off
     and is called again with the same arguments ends with the files of an undisturbed one, bit for bit; what was

@@ -8,8 +8,8 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
+from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
-from cyclemap.evidence.comparison.verdicts import MOST_SETS, Comparison
 from cyclemap.views import style
 from cyclemap.views.portrait_page import (
     PER_DEGREE,

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -14,7 +13,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence import LawBand
+from cyclemap.evidence import PeriodicLaw
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
 from cyclemap.evidence.tables.measured_cycle_map import (
     FEWEST_FOR_WEAR,
@@ -89,7 +88,7 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
         style.say(axes, "no law")
     else:
         labels = ("95 % of pushes", "law, 95 % band of its mean")
-        bands = _draw_band(axes, law.law.band(CIRCLE), law.theta, scale, PREDICTED_FILL, PREDICTED, "-", labels)
+        bands = _draw_band(axes, law.law, law.theta, scale, PREDICTED_FILL, PREDICTED, "-", labels)
         _keep_to(axes, scale * law.value, bands)
     style.degree_axis(axes)
     axes.set_ylabel(LABELS[law.quantity])
@@ -106,7 +105,7 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     for state, colour, line, dash in states if found.wears else states[:1]:
         law = found.fitted.law if worn is None else worn.at(state.cycle)
         labels = (None, f"push {state.cycle:.0f}") if found.wears else ("95 % of pushes", "fitted map")
-        edges += _draw_band(axes, law.band(CIRCLE), found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels)
+        edges += _draw_band(axes, law, found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels)
         for orbit in state.fixed_points:
             axes.plot(np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit)))
     _keep_to(axes, turns, edges)
@@ -175,17 +174,19 @@ def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
 
 
 def _draw_band(
-    axes: Axes, band: LawBand, theta: Array, scale: float, fill: str, line: str, dash: str,
+    axes: Axes, law: PeriodicLaw, theta: Array, scale: float, fill: str, line: str, dash: str,
     labels: tuple[str | None, str],
 ) -> list[Array]:  # fmt: skip
     """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the wider band's ends."""
-    band = replace(band, centre=band.centre + np.where(is_covered(theta, CIRCLE), 0.0, np.nan))
-    around, low, high = np.degrees(band.theta), scale * band.lower, scale * band.upper
-    axes.fill_between(around, low, high, color=fill, alpha=0.75, linewidth=0, label=labels[0], zorder=1)
-    ends, low, high = [low, high], scale * band.mean_lower, scale * band.mean_upper
-    axes.fill_between(around, low, high, color=line, alpha=0.35, linewidth=0, zorder=3)
-    axes.plot(around, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=labels[1], zorder=4)
-    return ends
+    around, centre = np.degrees(CIRCLE), scale * law(CIRCLE)
+    mean, one = (scale * half for half in law.half_bands(CIRCLE))
+    axes.fill_between(
+        around, centre - one, centre + one, color=fill, alpha=0.75, linewidth=0, label=labels[0], zorder=1
+    )
+    axes.fill_between(around, centre - mean, centre + mean, color=line, alpha=0.35, linewidth=0, zorder=3)
+    seen = np.where(is_covered(theta, CIRCLE), centre, np.nan)
+    axes.plot(around, seen, color=line, linewidth=1.4, linestyle=dash, label=labels[1], zorder=4)
+    return [centre - one, centre + one]
 
 
 def _keep_to(axes: Axes, values: Array, bands: list[Array]) -> None:

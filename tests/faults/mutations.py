@@ -23,7 +23,7 @@ def readers() -> dict[str, tuple[Reader, ...]]:
     from cyclemap.collection import CollectionLoop
     from cyclemap.collection.outline_files import read_outline
     from cyclemap.evidence import load_pushes, read_theta0_pairs
-    from cyclemap.evidence.data_blocks.block_builders import recognise
+    from cyclemap.evidence.data_blocks.collected_blocks import recognise
     from cyclemap.evidence.pushes.own_tables import read_own_table
     from cyclemap.mechanics import load_footprint, load_material
     from cyclemap.resets import read_protocol, read_schedule

@@ -20,20 +20,12 @@ from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material,
 from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, cycles_by_unknowns, interpolation
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.evidence.published_statistics import (
-    CYCLE_NOISE,
-    NODES,
-    PUBLISHED_CYCLES,
-    SOURCE,
-    PublishedStatistics,
-    predicted_statistics,
-    published_comparison,
-    published_statistics,
-)
+from cyclemap.figures.published_statistics import PUBLISHED_CYCLES, SOURCE, PublishedStatistics, published_statistics
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.text_files import write_whole
+from tests.inference.published_prediction import CYCLE_NOISE, NODES, predicted_statistics, published_comparison
 
 MATERIALS = ("abs", "delrin", "pu")
 STARTS = 4
@@ -130,7 +122,7 @@ def inferred(name: str) -> Material:
         print(f"{name}: {note}", flush=True)
     material = identified_material(found, name, [SOURCE])
     words = material.provenance + LIMITS + ("" if published.directions else UNTURNED) + "."
-    words += "" if found.converged else " The search was stopped a little short of the optimum."
+    words += "" if found.fit.converged else " The search was stopped a little short of the optimum."
     return replace(material, provenance=words, misfit=published_comparison(material).sentence)
 
 

@@ -9,8 +9,9 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import SurfaceParameters, identify
 from cyclemap.evidence.data_blocks.stroke_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.evidence.published_statistics import node_values, predicted_statistics, published_statistics
+from cyclemap.figures.published_statistics import published_statistics
 from tests.inference.published_materials import TOLERANCES, statistics_block
+from tests.inference.published_prediction import node_values, predicted_statistics
 
 LOOP, NODES, CYCLES = CollectionLoop.mit(), 11, 100
 TRUTH = SurfaceParameters(ellipticity_x=0.1, offset_x=0.05, offset_y=-0.06, pusher_friction=0.15, rim_share=0.3)

@@ -19,7 +19,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.mechanics import SidePush, material_names
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 # The columns of a CSV table of poses.
 _POSES = {"x0", "y0", "x1", "y1"}
-SET_COLUMNS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
 # A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a map.
@@ -154,7 +153,7 @@ def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length:
     left_out[_EARLY] = int(np.sum(number < first))
     # The rows of each set of equal facts.
     by_facts: dict[tuple[str, ...], list[int]] = {}
-    for row, key in enumerate(zip(*(map(str, table[name]) for name in SET_COLUMNS), strict=True)):
+    for row, key in enumerate(zip(*(map(str, table[name]) for name in SET_FACTS), strict=True)):
         if number[row] >= first:
             by_facts.setdefault(key, []).append(row)
     sets = [_Rows(table, number, np.array(rows, dtype=np.int64)) for rows in by_facts.values()]
@@ -200,8 +199,8 @@ class _Rows:
     @property
     def facts(self) -> dict[str, Any]:
         first = self.table.iloc[int(self.rows[0])]
-        texts = {name: first[name] if isinstance(first[name], str) else None for name in SET_COLUMNS[:2]}
-        return {**texts, **{name: float(first[name]) for name in SET_COLUMNS[2:]}}
+        texts = {name: first[name] if isinstance(first[name], str) else None for name in SET_FACTS[:2]}
+        return {**texts, **{name: float(first[name]) for name in SET_FACTS[2:]}}
 
 
 def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) -> list[_Rows]:

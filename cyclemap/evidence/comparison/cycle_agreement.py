@@ -27,7 +27,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
     angle_histogram,
     turn_bins,
 )
-from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, Steps, compare_steps, find_steps
+from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
 
 ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
 # Orientations of the ensemble from which the predicted modes are taken.
@@ -207,19 +207,15 @@ class SimulatedQuantity:
 class StaircaseAgreement:
     """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths in cycles.
 
-    steps : found in the measured path without a model. run : one simulated collection, (n,) rad.
-    turns : whole turns climbed. step_height, residence : medians over the steps and the dwells of a collection, dwells
-        that its ends cut off included.
+    run : one simulated collection, (n,) rad.
+    quantities : turns, whole ones climbed; steps; step_height, residence: medians over the steps and the dwells of a
+        collection, dwells that its ends cut off included.
     theory : the visits to the predicted zones and the pace, against their exact law; None for a map that wears and
         where that law could not be computed.
     """
 
-    steps: Steps
     run: Array
-    turns: SimulatedQuantity
-    step_count: SimulatedQuantity
-    step_height: SimulatedQuantity
-    residence: SimulatedQuantity
+    quantities: dict[str, SimulatedQuantity]
     theory: StepComparison | None
 
 
@@ -233,15 +229,15 @@ def staircase_agreement(
 
     summary : of the map where it does not wear. progress : called with the fraction done, in (0, 1].
     """
-    report, found, steps = progress or (lambda fraction: None), [], find_steps(path)
+    report, found = progress or (lambda fraction: None), []
     for done, one in enumerate(null, 1):
-        found.append(_numbers(one, find_steps(one)))
+        found.append(_numbers(one))
         report(done / len(null))
-    both = zip(_numbers(path, steps), np.array(found).T, strict=True)
-    quantities = [simulated_quantity(value, column) for value, column in both]
-    named = dict(zip(("turns", "step_count", "step_height", "residence"), quantities, strict=True))
+    names, columns = ("turns", "steps", "step_height", "residence"), zip(*found, strict=True)
+    both = zip(names, _numbers(path), columns, strict=True)
+    quantities = {name: simulated_quantity(value, np.array(column)) for name, value, column in both}
     theory = None if summary is None else compare_steps(find_steps(path, zones=summary.zones or None), summary)
-    return StaircaseAgreement(steps, null[0], theory=theory, **named)
+    return StaircaseAgreement(null[0], quantities, theory)
 
 
 def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
@@ -264,8 +260,9 @@ def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
     return SimulatedQuantity(value, middle, lower, upper, p_value)
 
 
-def _numbers(path: Array, steps: Steps) -> tuple[float, float, float, float]:
+def _numbers(path: Array) -> tuple[float, float, float, float]:
     """Turns, steps, median height and median length; NaN without steps or dwells."""
+    steps = find_steps(path)
     height = float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan
     length = float(np.median(steps.lengths)) if steps.lengths.size else np.nan
     return float(path[-1] - path[0]) / TWO_PI, float(steps.count), height, length

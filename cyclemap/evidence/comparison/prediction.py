@@ -20,7 +20,6 @@ from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a spread.
 SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
-_APART = 1_000  # between the seeds of two samples
 
 Progress = Callable[[float], None]
 
@@ -47,9 +46,7 @@ class Prediction:
 
     def model(self, first: int, uncertain: bool = False) -> CollectionModel:
         """The model of a collection that begins with push ``first``; ``uncertain`` as far as the parameters are."""
-        if uncertain and self.samples:
-            return PosteriorModel(self.map, self.noise, first, self.samples)
-        return CollectionModel(self.map, self.noise, first)
+        return CollectionModel(self.map, self.noise, first, self.samples if uncertain else ())
 
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one push."""
@@ -61,22 +58,6 @@ class Prediction:
         return np.array(
             [one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta for one in maps]
         )
-
-
-@dataclass(frozen=True, eq=False)
-class PosteriorModel(CollectionModel):
-    """A model whose simulated collections come from the maps of a posterior's samples in turn, not from its own."""
-
-    samples: tuple[CircleMap | DriftingMap, ...] = ()
-
-    def paths(self, start: float, length: int, count: int, seed: int) -> Array:
-        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad, unwrapped."""
-        found, used = np.empty((count, length)), self.samples[:count]
-        for number, one in enumerate(used):
-            rows = found[number :: len(used)]
-            own = seed + _APART * (number + 1)
-            rows[:] = CollectionModel(one, self.noise, self.first).paths(start, length, len(rows), own)
-        return found
 
 
 def as_prediction(

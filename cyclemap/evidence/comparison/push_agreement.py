@@ -26,9 +26,6 @@ SEEN_ANGLE, SEEN_LENGTH = np.radians(0.005), 5e-6
 # Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the mean moves.
 _SAMPLED_PUSHES = 100
 
-# Mean size of an error of place (m) and of turn (rad).
-Distances = tuple[float, float]
-
 
 @dataclass(frozen=True)
 class QuantityAgreement:
@@ -130,7 +127,7 @@ def _quantities(measured: Array, predicted: Array, shifts: Array | None) -> tupl
     return tuple(quantity_agreement(*one) for one in columns)
 
 
-def mean_distances(sets: Sequence[PushAgreement]) -> tuple[Distances, Distances]:
+def mean_distances(sets: Sequence[PushAgreement]) -> tuple[tuple[float, float], tuple[float, float]]:
     """How far pushes end from the prediction on average, place (m) and turn (rad), and from isotropic friction's."""
     measured, *both = (
         np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted", "isotropic")

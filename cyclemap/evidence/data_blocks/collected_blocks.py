@@ -2,33 +2,347 @@
 
 from __future__ import annotations
 
+import math
+import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.settings import OWN_OUTLINE
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.block_builders import (
-    LAYOUTS,
-    BlockBuilder,
-    loop_of_plate,
-    recognise,
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.data_blocks.force_blocks import (
+    SCAN_FIELDS,
+    TWIST_COLUMNS,
+    WRENCH_COLUMNS,
+    force_ratio_block,
+    friction_scan_block,
+    read_wrench_twists,
+    scan_traction,
+    sliding_forces,
+    wrench_twist_block,
 )
-from cyclemap.evidence.data_blocks.stroke_block import NODES, TIP_OFFSET
-from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
+from cyclemap.evidence.data_blocks.stroke_block import (
+    NODES,
+    TIP_OFFSET,
+    cycle_pair_block,
+    drag_turn_block,
+    push_end_block,
+)
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
-from cyclemap.evidence.pushes.measured_strokes import RowSelection
-from cyclemap.mechanics import MIT_SHAPE_NAMES
-from cyclemap.text_files import file_stem
+from cyclemap.evidence.pushes.measured_strokes import (
+    DRAG_COLUMNS,
+    NO_LENGTH,
+    PUSH_END_COLUMNS,
+    MeasuredPush,
+    RowSelection,
+    pushes_of,
+    read_measured_drags,
+    read_measured_pushes,
+    select_pushes,
+    selected_rows,
+    told,
+    told_push,
+)
+from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, named_column
+from cyclemap.evidence.tables.push_sets import push_sets
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
+from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
+
+if TYPE_CHECKING:
+    import pandas
 
 MOST_STROKES = 2000
 # What belongs to a plate, or to the frame that its data are in.
 _OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
+PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = "push ends", "drag-backs", "wrenches", "cycles", "records"
+
+_COLUMNS = {PUSH_ENDS: {*PUSH_END_COLUMNS}, DRAG_BACKS: {*DRAG_COLUMNS}, WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS}}
+_ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
+LAYOUTS = (
+    "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses (x0,y0,th0,x1,y1,th1), better with "
+    "the tip (tip_x0,tip_y0,tip_x1,tip_y1), of drag-backs (x1,y1,th1,x0n,y0n,th0n), of orientations "
+    "(theta0_deg), or of wrenches and twists (fx,fy,m_over_rho,vx,vy,w_times_rho)"
+)
+
+# Cycles that follow each other have errors alike: they form groups of this many, or smaller ones where data are few.
+_LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
+# With pushes at fewer contacts than this each push is a group of its own.
+_FEWEST_CONTACTS = 8
+# A push whose tip strays further from a straight line (m) is another experiment.
+_STRAIGHT = 2e-3
+# Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
+_FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+
+
+def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[UnreadableFile]]:
+    """Return the files that a file, folder or tree holds, each with its sort of data, and those of unknown kind.
+
+    A CSV file may hold two sorts; a folder of the MIT layout counts as one file; files of other kinds in a folder are
+    passed over. Raises InvalidInput where there is nothing at `path`.
+    """
+    place = Path(path)
+    if not place.exists():
+        raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
+    found: list[tuple[Path, str]] = []
+    unused: list[UnreadableFile] = []
+    files = [place]
+    if place.is_dir():
+        below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
+        found += [(place, RECORDS)] if any(file.suffix.lower() in SUFFIXES for file in below) else []
+        files = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
+    for file in files:
+        if file.suffix.lower() in SUFFIXES:
+            found.append((file, RECORDS))
+            continue
+        if file.suffix.lower() != CSV_SUFFIX:
+            unused.append(UnreadableFile(file, f"a file of another kind ({file.suffix or 'no suffix'})"))
+            continue
+        try:
+            table = read_csv_table(file)
+        except DataFileError as error:
+            unused.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
+            continue
+        columns = set(table.header)
+        sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
+        posed = not sorts and all(named_column(table, one) for one in ENDS)
+        if posed or any(columns >= names for names in _ORIENTATIONS):
+            sorts.append(CYCLES)
+        found += [(file, sort) for sort in sorts]
+        if not sorts:
+            unused.append(UnreadableFile(file, f"a CSV table of unknown columns ({', '.join(table.header[:8])})"))
+    if not found and not unused:
+        unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
+    return found, unused
+
+
+class BlockBuilder:
+    """Blocks of data and notes on what they hold and what stays out, file by file and plate by plate.
+
+    What blocks are made with: see `collected_blocks`.
+    """
+
+    def __init__(
+        self, loop: CollectionLoop, first: int, wear: bool, most: int, nodes: int, push_length: float | None
+    ) -> None:
+        self.given, self.first, self.wear, self.most, self.nodes = loop, first, wear, most, nodes
+        self.push_length = math.nan if push_length is None else push_length
+        self.path, self.plate, self.loop = Path(), loop.slider.name, loop
+        self.blocks: list[DataBlock] = []
+        self.plates: list[str] = []
+        self.notes: list[str] = []
+        self.scans: list[Array] = []
+        self.last_cycle = 0.0
+
+    def add_file(
+        self, path: Path, sort: str, selection: RowSelection, progress: Progress
+    ) -> tuple[frozenset[str], frozenset[str]]:
+        """Add the blocks of one sort of data in a file; return the surfaces and the objects that it tells of."""
+        self.path = path
+        is_table = sort not in (RECORDS, CYCLES)
+        if is_table:
+            table = read_csv_table(path)
+            rows, facts, left_out = selected_rows(table, selection)
+            surfaces, objects = (told(one[name] for one in facts) for name in ("surface", "object"))
+        else:
+            pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
+            surfaces, objects = (told(pushes.table[name]) | told(pushes.scans[name]) for name in ("surface", "object"))
+        self._leave_out(left_out)
+        plates = [] if len(surfaces) > 1 else sorted(objects) or [self.given.slider.name]
+        for number, plate in enumerate(plates):
+            self.plate, self.loop, alone = plate, loop_of_plate(self.given, plate), len(plates) < 2
+            if is_table:
+                own_rows = rows if alone else selected_rows(table, replace(selection, objects=(plate,)))[0]
+                if own_rows:
+                    self._add_table(sort, table, own_rows)
+                continue
+            own = pushes if alone else pushes_of(pushes, plate)
+            if sort == CYCLES:
+                self._add_cycles(own)
+                self._add_posed(own.table)
+            else:
+                self._add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
+        return surfaces, objects
+
+    def named(self) -> tuple[DataBlock, ...]:
+        """Return the blocks, those of several plates with unknowns of their own; equal names get a number behind."""
+        blocks = self.blocks
+        if len(set(self.plates)) > 1:
+            blocks = [block.of_plate(plate, _OWNED) for block, plate in zip(blocks, self.plates, strict=True)]
+        names = [block.name for block in blocks]
+        return tuple(
+            replace(block, name=f"{block.name} {names[: number + 1].count(block.name)}")
+            if names.count(block.name) > 1
+            else block
+            for number, block in enumerate(blocks)
+        )
+
+    def _note(self, words: str) -> None:
+        self.notes.append(f"{self.path}: {words}")
+
+    def _add(self, block: DataBlock, words: str) -> None:
+        """Add a block of the plate, and a note of what it holds."""
+        self.blocks.append(block)
+        self.plates.append(self.plate)
+        self._note(f"{words} of {self.plate}")
+
+    def _leave_out(self, counts: Counter[str]) -> None:
+        """Note how many rows of the file stay out, and why."""
+        for reason, count in (+counts).items():
+            self._note(f"{count} left out: {reason}")
+
+    def _add_records(self, pushes: PushTable, progress: Progress) -> None:
+        """Add what files of the MIT layout tell: friction scans, cycles of repeated pushes, their ends and forces."""
+        if pushes.unreadable:
+            one = pushes.unreadable[0]
+            reason = f"unreadable, the first {one.path.name}: {one.reason}"
+            self._leave_out(Counter({reason: len(pushes.unreadable)}))
+        columns = {name: pushes.scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS}
+        known = np.all(np.isfinite([*columns.values()]), axis=0)
+        self._leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
+        if np.any(known):
+            table, weight = {name: column[known] for name, column in columns.items()}, self.loop.model.weight
+            self.scans.append(scan_traction(table, weight))
+            self._add(friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
+        self._add_cycles(pushes)
+        self._add_pushes(pushes.table, progress)
+
+    def _add_cycles(self, pushes: PushTable) -> None:
+        """Add a block of cycles for each set of pushes that were repeated at one contact."""
+        for one in push_sets(pushes) if len(pushes.table) else ():
+            pairs = one.pairs
+            if pairs is None or one.contacts != 1:
+                continue
+            number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
+            late = number >= self.first
+            count = int(np.sum(late))
+            self._leave_out(Counter({f"cycles before {self.first}": late.size - count, **pairs.dropped}))
+            if count < _FEWEST_CYCLES:
+                self._note(f"{count} cycles of {one.name} left out: too few")
+                continue
+            place = {name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts}
+            loop = replace(self.loop, push=replace(self.loop.push, **place))
+            since = number[late] - self.first
+            share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
+            block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
+            self.last_cycle = max(self.last_cycle, float(np.max(since)))
+            self._add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
+
+    def _add_posed(self, table: pandas.DataFrame) -> None:
+        """Add ends of pushes without the places of the rod: it went from its first touch on as the loop's does."""
+        posed = table[["x0", "dtheta"]].notna().all(axis=1) & ~(table["repetition"] < self.first)
+        rows = table[posed].to_dict("records")
+        pushes: list[MeasuredPush] = []
+        for row in rows:
+            length = self.push_length if math.isnan(row["length"]) else row["length"]
+            if math.isnan(length):
+                continue
+            push = told_push(self.loop.push, row, length)
+            place, way = first_contact(self.loop.slider, push, self.loop.pusher.radius)
+            start = Pose(row["x0"], row["y0"], row["theta0"])
+            end = Pose(row["x1"], row["y1"], row["theta1"])
+            tips = start.to_world(*place), start.to_world(*(place + push.distance * way))
+            pushes.append(MeasuredPush(start, end, *tips, contact=len(pushes)))
+        self._leave_out(Counter({f"ends of pushes: {NO_LENGTH}": len(rows) - len(pushes)}))
+        self._add_push_ends(pushes)
+
+    def _add_pushes(self, table: pandas.DataFrame, progress: Progress) -> None:
+        """Add ends and forces of recorded pushes."""
+        late = ~(table["repetition"].to_numpy(dtype=float) < self.first)
+        steady = np.nan_to_num(table["acceleration"].to_numpy(dtype=float)) == 0.0
+        self._leave_out(Counter({"pushed with acceleration": int(np.sum(~steady & late))}))
+        rows = table[steady & late].to_dict("records")
+        chosen = _thinned(rows, self.most)
+        if len(chosen) < len(rows):
+            self._note(f"every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
+        places: list[tuple[float, float]] = []
+        pushes: list[MeasuredPush] = []
+        records: list[PushRecord] = []
+        for number, row in enumerate(chosen):
+            record = read_push_file(row["path"])
+            assert isinstance(record, PushRecord)
+            tip = record.tip_pose[:, 1:3]
+            length = float(np.hypot(*(tip[-1] - tip[0])))
+            # How far the tip strays from the straight line between its ends.
+            beside = (tip - tip[0]) @ [tip[0, 1] - tip[-1, 1], tip[-1, 0] - tip[0, 0]]
+            if length > _STRAIGHT and np.max(np.abs(beside)) <= _STRAIGHT * length:
+                first, last = (tuple(place) for place in tip[[0, -1]].tolist())
+                pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), first, last))
+                places.append((row["side"], row["fraction"]))
+                records.append(record)
+            part_of(progress, number, len(chosen))(1.0)
+        self._leave_out(Counter({"pushes whose tip did not go straight": len(chosen) - len(records)}))
+        if not records:
+            return
+        # Pushes are grouped by contact where there are many contacts, else by runs of repetitions.
+        known, groups = sorted(set(places)), _cycle_groups(len(pushes)).tolist()
+        if len(known) >= _FEWEST_CONTACTS and not any(math.isnan(number) for place in known for number in place):
+            groups = [known.index(place) for place in places]
+        self._add_push_ends([replace(push, contact=group) for push, group in zip(pushes, groups, strict=True)])
+        outline = self.loop.slider.outline_points(360)
+        sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
+        pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
+        if pieces < _FEWEST_PIECES:
+            self._note(f"forces not used: the rod slides in {pieces} pieces of pushes")
+        else:
+            self._add(force_ratio_block(sliding), f"{pieces} force ratios while the rod slides, in {count} pushes")
+
+    def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
+        kept = _thinned(pushes, self.most)
+        if kept:
+            self._add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
+
+    def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+        """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
+        if sort == PUSH_ENDS:
+            pushes = read_measured_pushes(table, rows)
+            self._leave_out(Counter({"the tip was not where it was sent": len(rows) - len(pushes)}))
+            if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
+                pushes = tuple(replace(push, contact=number) for number, push in enumerate(pushes))
+            self._add_push_ends(pushes)
+        elif sort == DRAG_BACKS:
+            drags = read_measured_drags(table, rows)
+            kept = _thinned(drags, self.most)
+            self._add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
+        else:
+            outline = self.loop.slider.outline
+            data = read_wrench_twists(table, rows, outline.extent)
+            scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
+            block = wrench_twist_block(data, outline, self.loop.model.weight)
+            self._add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
+            sources = sorted({table.text(row, "source") for row in rows}) if "source" in table.header else []
+            if len(sources) > 1:
+                listed = ", ".join(sources)
+                self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
+
+
+def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
+    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object for another name."""
+    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
+
+
+def _cycle_groups(count: int) -> Labels:
+    return np.arange(count) // min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP)
+
+
+def _thinned(rows: Sequence[Any], most: int) -> list[Any]:
+    """At most so many of the rows, evenly spread."""
+    return [rows[k] for k in np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int))]
+
+
+def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
+    return str(len(kept)) if len(kept) == len(rows) else f"{len(kept)} of {len(rows)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +351,7 @@ class CollectedBlocks:
 
     blocks : of unlike names; of several objects each is that of a plate. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
-    scans : (n, 2) tractions of friction scans, None without. last_cycle : number of the last
-    cycle behind the first one used, 0 where it is unknown.
+    scans : (n, 2) tractions of friction scans. last_cycle : how many the last is behind the first; 0 where unknown.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -109,7 +422,7 @@ def collected_blocks(
     notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
     scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    return CollectedBlocks(builder.named(_OWNED), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
+    return CollectedBlocks(builder.named(), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
 
 
 def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:

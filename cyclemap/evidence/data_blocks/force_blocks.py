@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,7 +20,7 @@ from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samp
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
 from cyclemap.mechanics.outline import Outline
-from cyclemap.text_files import read_csv_table, require_columns
+from cyclemap.text_files import CsvRow, CsvTable, require_columns
 
 if TYPE_CHECKING:
     import pandas
@@ -162,13 +161,8 @@ class WrenchTwists:
             raise InvalidInput(f"{len(self.wrench)} wrenches and {len(self.twist)} twists: there must be one of each")
         for row in np.flatnonzero(np.all(self.twist == 0.0, axis=1))[:1]:
             raise InvalidInput(f"twist {row} is zero: friction is not unique at rest; leave it out")
-        if np.median(self.power) < 0.0:
+        if np.median(np.sum(self.wrench * self.twist, axis=1)) < 0.0:
             raise InvalidInput("most wrenches take power from the object: turn their signs, if it was the pusher's")
-
-    @property
-    def power(self) -> Array:
-        """(n,) W, that the pusher gives."""
-        return np.asarray(np.sum(self.wrench * self.twist, axis=1))
 
     def contact_pieces(self, outline: Outline) -> Labels:
         """Return on which of equally long pieces of the outline (n,) the pusher touched; -1 where that cannot be.
@@ -192,24 +186,14 @@ class WrenchTwists:
         return found
 
 
-def read_wrench_twists(
-    path: str | Path, *, rho: float, surface: str | None = None, source: str | None = None
-) -> WrenchTwists:
-    """Read pairs from a CSV file with the columns fx, fy (N), m_over_rho (N), vx, vy, w_times_rho (m/s).
+def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> WrenchTwists:
+    """Read pairs from rows of a CSV table with the columns fx, fy (N), m_over_rho (N), vx, vy, w_times_rho (m/s).
 
     rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data: 0.06364, its half
-    diagonal). surface, source : rows of this entry in the column of that name only. Raises DataFileError.
+    diagonal). Raises DataFileError.
     """
-    table, length = read_csv_table(path), positive_number("rho", rho)
     require_columns(table, (*WRENCH_COLUMNS, *TWIST_COLUMNS))
-    rows = list(table.rows)
-    for column, wanted in (("surface", surface), ("source", source)):
-        if wanted is not None:
-            require_columns(table, (column,))
-            rows = [row for row in rows if table.text(row, column) == wanted]
-            if not rows:
-                known = ", ".join(sorted({table.text(row, column) for row in table.rows}))
-                raise DataFileError(f"{table.path}: no row has {column} {wanted!r}; there are {known}")
+    length = positive_number("rho", rho)
     scale = np.array([1.0, 1.0, length])
     wrench, twist = (
         np.array([[table.number(row, name) for name in names] for row in rows])

@@ -121,12 +121,7 @@ class DataBlock:
         )
 
     def of_plate(self, plate: str, owned: Sequence[Parameter]) -> DataBlock:
-        """Return the block as one of several plates: unknowns among `owned` have the plate's name behind their own.
-
-        >>> rim = DataBlock("pushes", ("offset_x", "rim_share"), lambda v: None, [0], "m")
-        >>> rim.of_plate("hex", (Parameter("rim_share", "", "1", 0.0, 1.0, 0.3, 0.2),)).parameters
-        ('offset_x', 'rim_share[hex]')
-        """
+        """Return the block as one of several plates: `rim_share`, if `owned`, is then `rim_share[hex]`."""
         named = {
             one.name: replace(one, name=f"{one.name}[{plate}]", description=f"{one.description}; {plate}")
             for one in owned

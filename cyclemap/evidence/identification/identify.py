@@ -175,11 +175,6 @@ class Identification:
         raise unknown_name("identified parameter", name, [estimate.name for estimate in self.estimates])
 
     @property
-    def converged(self) -> bool:
-        """Whether minimum and noise were found to tolerance."""
-        return self.fit.converged
-
-    @property
     def values(self) -> dict[str, float]:
         """Every parameter's value by name, identified or held."""
         return self.problem.values(self.fit.vector)

@@ -26,7 +26,6 @@ from cyclemap.evidence.laws.periodic_law import (
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import (
     CircleMap,
-    DriftingMap,
     Staircase,
     StaircaseSummary,
     StepComparison,
@@ -39,8 +38,6 @@ from cyclemap.maps import (
 )
 
 MAX_WEAR_DEGREE, HARMONICS = 4, 6
-# Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
-_BLEND_TOLERANCE = 1e-4
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
 
@@ -71,11 +68,6 @@ class WornLaw:
     def harmonics(self) -> int:
         """How many harmonics the law has at each cycle."""
         return len(self.coefficients[0]) // 2
-
-    @property
-    def sigma(self) -> float:
-        """The scatter of one value about the law of its own cycle, degrees of freedom counted."""
-        return self.whole.sigma
 
     def turns(self, theta: Array, cycle: Array) -> Array:
         """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
@@ -174,16 +166,6 @@ class FittedMap:
         Raises InvalidInput where the pairs were fitted without cycle numbers.
         """
         return map_of_turn(self._worn().at(cycle))
-
-    def drifting_map(self, cycles: int, first: float | None = None) -> DriftingMap:
-        """The map that wears as measured, for ``cycles`` cycles; its cycle 0 is the measured cycle ``first``.
-
-        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad.
-        """
-        worn = self._worn()
-        start = worn.first if first is None else finite_number("first", first)
-        count = whole_number("cycles", cycles, least=1)
-        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, _BLEND_TOLERANCE)
 
     def paths(self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0) -> Array:
         """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad, unwrapped, starts first.

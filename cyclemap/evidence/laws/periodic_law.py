@@ -129,22 +129,6 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
 
 
 @dataclass(frozen=True, eq=False)
-class LawBand:
-    """Bands at the angles ``theta`` (rad), each holding with probability ``level`` at one angle at a time.
-
-    centre : the fitted law there. mean_lower, mean_upper : the band of the mean. lower, upper : the prediction band, in
-    which one new value falls. All of the shape of ``theta``, in the unit of the values.
-    """
-
-    theta: Array
-    centre: Array
-    mean_lower: Array
-    mean_upper: Array
-    lower: Array
-    upper: Array
-
-
-@dataclass(frozen=True, eq=False)
 class PeriodicLaw:
     """The law y(θ) = c_0 + Σ_k c_k cos kθ + s_k sin kθ, in the unit of the values it was fitted to.
 
@@ -217,17 +201,15 @@ class PeriodicLaw:
         columns = fourier_columns(theta, self.log_variance.size // 2)
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
-    def band(self, theta: Any, level: float = 0.95) -> LawBand:
-        """Student's bands at θ, centre ± t·se of the mean and ± t·√(se² + noise²) of one new value; see ``LawBand``.
+    def half_bands(self, theta: Any, level: float = 0.95) -> tuple[Array, Array]:
+        """How far Student's bands reach to either side of the law at θ: that of the mean, that of one new value.
 
-        Exact for independent normal scatter of constant size about a law of the fitted order, else close for many
-        values; errors of the order are not in them. Raises InvalidInput for a level outside (0, 1).
+        t·se and t·√(se² + noise²), each to hold with probability ``level`` at one angle at a time. Exact for
+        independent normal scatter of constant size about a law of the fitted order, else close for many values; errors
+        of the order are not in them. Raises InvalidInput for a level outside (0, 1).
         """
-        angles = finite_array("theta", theta)
-        quantile = student_quantile(level, self.count - self.coefficients.size)
-        centre, error = self(angles), self.standard_error(angles)
-        mean, one = quantile * error, quantile * np.hypot(error, self.noise(angles))
-        return LawBand(angles, centre, centre - mean, centre + mean, centre - one, centre + one)
+        quantile, error = student_quantile(level, self.count - self.coefficients.size), self.standard_error(theta)
+        return quantile * error, quantile * np.hypot(error, self.noise(theta))
 
 
 def fit_periodic_law(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,18 +25,21 @@ from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases
 
 _CELLS = 4096  # of the grid on which the images of an ensemble are counted
 _REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
+_APART = 1_000  # between the seeds of two samples
 
 
 @dataclass(frozen=True, eq=False)
 class CollectionModel:
     """θ_{n+1} = F_n(θ_n) + ξ_n: a map, fixed or drifting, and its noise.
 
-    first : of a drifting map, the cycle that a collection begins with.
+    first : of a drifting map, the cycle that a collection begins with. samples : maps of a posterior's samples, from
+    which simulated collections then come in turn, not from ``map``.
     """
 
     map: CircleMap | DriftingMap
     noise: Noise
     first: int = 0
+    samples: tuple[CircleMap | DriftingMap, ...] = ()
 
     @cached_property
     def begun(self) -> CircleMap | DriftingMap:
@@ -47,7 +50,13 @@ class CollectionModel:
 
     def paths(self, start: float, length: int, count: int, seed: int) -> Array:
         """``count`` collections of ``length`` orientations from ``start``: (count, length), rad, unwrapped."""
-        return sample_staircases(self.begun, self.noise, length - 1, np.full(count, start), seed)
+        if not self.samples:
+            return sample_staircases(self.begun, self.noise, length - 1, np.full(count, start), seed)
+        found, used = np.empty((count, length)), self.samples[:count]
+        for number, one in enumerate(used):
+            rows, own = found[number :: len(used)], seed + _APART * (number + 1)
+            rows[:] = replace(self, map=one, samples=()).paths(start, length, len(rows), own)
+        return found
 
     def images(self, paths: Array) -> Array:
         """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on the same lift."""
@@ -66,11 +75,6 @@ class Ensemble:
     model: CollectionModel
     paths: Array
     law: CircularLaw
-
-    @cached_property
-    def climb(self) -> float:
-        """Mean of the last orientation less the first, rad."""
-        return float(np.mean(self.paths[:, -1] - self.paths[:, 0]))
 
 
 CollectionStatistic = Callable[[Array, Ensemble], Array]
@@ -107,12 +111,16 @@ def collection_statistics() -> dict[str, CollectionStatistic]:
     wasserstein (rad), total_variation, kuiper, watson : of its orientations against the ensemble's law.
     turns : |its climb less the ensemble's mean climb|, in turns.
     """
+
+    def climb(paths: Array) -> Array:
+        return np.asarray(paths[:, -1] - paths[:, 0])
+
     return {
         "wasserstein": lambda paths, ensemble: circular_wasserstein(paths, ensemble.law),
         "total_variation": lambda paths, ensemble: total_variation(paths, ensemble.law),
         "kuiper": lambda paths, ensemble: kuiper_statistic(paths, ensemble.law),
         "watson": lambda paths, ensemble: watson_statistic(paths, ensemble.law),
-        "turns": lambda paths, ensemble: np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / TWO_PI,
+        "turns": lambda paths, ensemble: np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI,
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,9 +13,9 @@ import numpy as np
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes, named_column
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes
 from cyclemap.mechanics import Pose, SidePush
-from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
+from cyclemap.text_files import CsvRow, CsvTable, require_columns
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
@@ -24,7 +24,7 @@ Place = tuple[float, float]
 LARGEST_TIP_ERROR = 5e-3
 NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
-_DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
+DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
 
 
 @dataclass(frozen=True)
@@ -60,39 +60,20 @@ class RowSelection:
         return ""
 
 
-@dataclass(frozen=True, eq=False)
-class CsvSelection:
-    """The rows of a CSV file that take part: texts of columns that pick them, each a selection of its own.
+def selected_rows(table: CsvTable, selection: RowSelection) -> tuple[list[CsvRow], list[dict[str, Any]], Counter[str]]:
+    """Return the rows of a CSV table that take part, the facts by which they do, and how many stay out, by reason.
 
-    rows : how many each of `texts` picks. surfaces, objects : that the rows tell. left_out : counted by reason.
+    Raises DataFileError where a fact is no number.
     """
-
-    texts: tuple[dict[str, str], ...]
-    rows: tuple[int, ...]
-    surfaces: frozenset[str]
-    objects: frozenset[str]
-    left_out: Counter[str]
-
-
-def select_csv(path: Path, selection: RowSelection) -> CsvSelection:
-    """Return which rows of a CSV file take part. Raises DataFileError where a fact is no number."""
-    table = read_csv_table(path)
-    asked = ("surface", "object", *selection.chosen)
-    needed = {name: column for name in asked if (column := named_column(table, name)) is not None}
-    picked: Counter[tuple[str, ...]] = Counter()
-    left_out: Counter[str] = Counter()
-    told: dict[str, set[str]] = {"surface": set(), "object": set()}
+    rows, told, left_out = list[CsvRow](), list[dict[str, Any]](), Counter[str]()
     for row in table.rows:
-        facts = {name: column_value(table, row, name) for name in needed}
-        reason = selection.refusal(facts)
-        if reason:
+        facts = {name: column_value(table, row, name) for name in ("surface", "object", *selection.chosen)}
+        if reason := selection.refusal(facts):
             left_out[reason] += 1
-            continue
-        picked[tuple(table.text(row, column) for column in needed.values())] += 1
-        for name, values in told.items():
-            values |= {str(facts[name])} if _known(facts.get(name)) else set()
-    texts = tuple(dict(zip(needed.values(), key, strict=True)) for key in picked)
-    return CsvSelection(texts, tuple(picked.values()), frozenset(told["surface"]), frozenset(told["object"]), left_out)
+        else:
+            rows.append(row)
+            told.append(facts)
+    return rows, told, left_out
 
 
 def select_pushes(
@@ -123,9 +104,9 @@ def pushes_of(pushes: PushTable, plate: str) -> PushTable:
     return PushTable(table, scans, ())
 
 
-def told(frame: Any, column: str) -> frozenset[str]:
+def told(values: Iterable[Any]) -> frozenset[str]:
     """Return the texts that a column tells."""
-    return frozenset(str(value) for value in frame[column] if _known(value))
+    return frozenset(str(value) for value in values if _known(value))
 
 
 def _known(value: Any) -> bool:
@@ -172,16 +153,14 @@ class MeasuredDrag:
     contact: int = 0
 
 
-def read_measured_pushes(path: str | Path, select: Mapping[str, str] | None = None) -> tuple[MeasuredPush, ...]:
-    """Read pushes from a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1` (m, rad).
+def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredPush, ...]:
+    """Read pushes from rows of a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1` (m, rad).
 
-    select : texts that columns must have, such as {"surface": "abs", "shape": "rect1"}. Rows whose `tip_err_mm`, where
-    there is such a column, exceeds 5 mm are left out. Columns `i` and `s` (side, fraction), where
-    present, label the contact. Raises DataFileError naming file, line and mend; InvalidInput where no row is selected.
+    Rows whose `tip_err_mm`, where there is such a column, exceeds 5 mm are left out. Columns `i` and `s` (side,
+    fraction), where present, label the contact. Raises DataFileError naming file, line and mend.
     """
-    table = read_csv_table(path)
     require_columns(table, PUSH_END_COLUMNS)
-    rows = [row for row in _selected(table, select) if tip_error(table, row) <= LARGEST_TIP_ERROR]
+    rows = [row for row in rows if tip_error(table, row) <= LARGEST_TIP_ERROR]
     labels = list(range(len(rows)))
     if {"i", "s"} <= set(table.header):
         places = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
@@ -204,25 +183,15 @@ def told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePu
     return replace(push, **{name: value for name, value in told.items() if not math.isnan(value)})
 
 
-def read_measured_drags(path: str | Path, select: Mapping[str, str] | None = None) -> tuple[MeasuredDrag, ...]:
-    """Read drags from a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad), as pushes are read."""
-    table = read_csv_table(path)
-    require_columns(table, _DRAG_COLUMNS)
+def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredDrag, ...]:
+    """Read drags from rows of a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad)."""
+    require_columns(table, DRAG_COLUMNS)
     drags = []
-    for label, row in enumerate(_selected(table, select)):
-        x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in _DRAG_COLUMNS)
+    for label, row in enumerate(rows):
+        x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in DRAG_COLUMNS)
         end = Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1)))
         drags.append(MeasuredDrag(Pose(x1, y1, theta1), end, label))
     return tuple(drags)
-
-
-def _selected(table: CsvTable, select: Mapping[str, str] | None) -> list[CsvRow]:
-    wanted = dict(select or {})
-    require_columns(table, tuple(wanted))
-    rows = [row for row in table.rows if all(table.text(row, key) == value for key, value in wanted.items())]
-    if not rows:
-        raise InvalidInput(f"{table.path}: no row has {wanted}; look at the columns {', '.join(wanted)}")
-    return rows
 
 
 def tip_error(table: CsvTable, row: CsvRow) -> float:

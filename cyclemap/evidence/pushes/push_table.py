@@ -45,9 +45,9 @@ ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 _RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
-_PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
+SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 _POSES = ("tip_x0", "tip_y0", *ENDS, "dx", "dy", "dtheta")
-PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_POSES, "theta_next", "force_ratio", "samples", "path")
+PUSH_COLUMNS = (*SET_FACTS, "repetition", "length", *_POSES, "theta_next", "force_ratio", "samples", "path")
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
@@ -185,10 +185,10 @@ def load_pushes(path: str | Path, *, progress: Callable[[float], None] | None = 
             pushes += found[0]
             scans += found[1]
         report(done / len(files))
-    table = _sorted_frame(pushes, PUSH_COLUMNS, (*_PUSH_SET, "repetition", "path"))
+    table = _sorted_frame(pushes, PUSH_COLUMNS, (*SET_FACTS, "repetition", "path"))
     # The start of the next repetition of each push's set, on the lift nearest to its end.
     homes = [path if path.lower().endswith(CSV_SUFFIX) else os.path.split(path)[0] for path in table["path"]]
-    sets = [tuple(map(str, facts)) for facts in zip(homes, *(table[name] for name in _PUSH_SET), strict=True)]
+    sets = [tuple(map(str, facts)) for facts in zip(homes, *(table[name] for name in SET_FACTS), strict=True)]
     starts: dict[tuple[tuple[str, ...], float], float] = {}
     for key, number, start in zip(sets, table["repetition"], table["theta0"], strict=True):
         starts.setdefault((key, number), start)

@@ -12,7 +12,7 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 
 if TYPE_CHECKING:
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
-SURROUNDINGS, CONTACT = ("surface", "object", "acceleration", "speed"), ("side", "fraction", "angle")
-_FACTS, _TEXT = (*SURROUNDINGS, *CONTACT), ("surface", "object")
+SURROUNDINGS, CONTACT, _TEXT = SET_FACTS[:4], SET_FACTS[4:], SET_FACTS[:2]
 QUANTITIES = ("dtheta", "dx", "dy")
 # Two values have a spread; nobody should quote that of fewer than this many.
 _FEWEST_FOR_SPREAD = 5
@@ -75,12 +74,12 @@ def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None
     gathered: list[tuple[Path, dict[str, Any], pandas.DataFrame]] = []
     for home in dict.fromkeys(homes):
         rows, parts = table[[other == home for other in homes]], list[Any]()
-        for columns in ([*_FACTS], [*SURROUNDINGS]):
+        for columns in ([*SET_FACTS], [*SURROUNDINGS]):
             parts = [part for _, part in rows.groupby(columns, dropna=False, sort=False)]
             if any(len(part) >= FEWEST for part in parts):
                 break
         for part in parts:
-            shared = {name: part[name].iloc[0] for name in _FACTS if part[name].nunique(dropna=False) == 1}
+            shared = {name: part[name].iloc[0] for name in SET_FACTS if part[name].nunique(dropna=False) == 1}
             known = {name: one for name, one in shared.items() if isinstance(one, str) or not math.isnan(one)}
             gathered.append((Path(home), known, part))
     names = _names([(home, facts) for home, facts, _ in gathered])
@@ -94,8 +93,8 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     """
     kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
-        if column not in _FACTS:
-            raise unknown_name("column", column, _FACTS)
+        if column not in SET_FACTS:
+            raise unknown_name("column", column, SET_FACTS)
         cells = table[column]
         same = cells == value if column in _TEXT else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
         if not np.any(same):

@@ -39,7 +39,9 @@ def test_the_true_law_is_kept_in_every_question() -> None:
     (match,) = truth.directions.matches
     assert abs(match.difference) < 0.4
     assert truth.staircase.theory.visits[0].exits > 3
-    assert truth.staircase.turns.measured == pytest.approx(np.ptp(sine_pairs(300, seed=3).path[[0, -1]]) / (2 * np.pi))
+    assert truth.staircase.quantities["turns"].measured == pytest.approx(
+        np.ptp(sine_pairs(300, seed=3).path[[0, -1]]) / (2 * np.pi)
+    )
 
 
 @pytest.mark.slow

@@ -119,7 +119,7 @@ def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(
     assert set(free) >= {"friction_scale", *SHARES, "pin_friction_radius"} and len(free) == 12
     priors = usual_beliefs(free)
     found = identify(data.blocks, free, priors=priors, starts=1, level=0.99, space=starting_space(LOOP))
-    assert found.converged
+    assert found.fit.converged
     for name in free:
         assert found[name].lower <= TRUTH[name] <= found[name].upper, found[name]
     assert found.friction().mu_a == pytest.approx(0.28, abs=2e-3)

@@ -17,11 +17,12 @@ from cyclemap.evidence import (
     cycle_pair_block,
     drag_turn_block,
     push_end_block,
-    read_measured_drags,
 )
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, loop_on, predicted_push_ends, surface_model
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
+from cyclemap.evidence.pushes.measured_strokes import read_measured_drags
 from cyclemap.mechanics import Pose, Slider, WorldPush
+from cyclemap.text_files import read_csv_table
 
 RECT1, MIT = Slider.mit("rect1"), CollectionLoop.mit()
 TRUTH = SurfaceParameters(
@@ -154,7 +155,8 @@ def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
 @pytest.mark.parametrize(("surface", "slope", "radius"), [("plywood", 0.74, 0.0), ("abs", 0.68, 2e-3)])
 def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(measured_data, surface, slope, radius) -> None:
     """Regression slopes measured over predicted are below one; weight on the rim and a rubbing ring help."""
-    drags = read_measured_drags(measured_data / "mit_rect1_dragback_v10.csv", {"surface": surface})
+    table = read_csv_table(measured_data / "mit_rect1_dragback_v10.csv")
+    drags = read_measured_drags(table, [row for row in table.rows if table.text(row, "surface") == surface])
     block = drag_turn_block(drags, RECT1)
     measured, ideal = block.motions[:, 1], block.residuals(PLAIN)[0]
     predicted = measured + ideal

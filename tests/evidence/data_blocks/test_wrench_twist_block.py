@@ -7,8 +7,10 @@ import pytest
 from refusals import refused
 
 from cyclemap.errors import DataFileError
-from cyclemap.evidence import WrenchTwists, identify, read_wrench_twists, wrench_twist_block
+from cyclemap.evidence import WrenchTwists, identify, wrench_twist_block
+from cyclemap.evidence.data_blocks.force_blocks import read_wrench_twists
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider
+from cyclemap.text_files import read_csv_table
 
 SQUARE = Slider.mit("rect1").outline
 RHO, WEIGHT = SQUARE.extent, 8.2
@@ -38,7 +40,7 @@ def made_block(wrenches=WRENCHES, twists=TWISTS, weight=WEIGHT):
 
 def test_without_noise_friction_and_rim_share_come_back_exactly() -> None:
     found = identify([made_block()], PARAMETERS, starts=3)
-    assert found.converged and found.starts.arrived == 3
+    assert found.fit.converged and found.starts.arrived == 3
     assert found.values == pytest.approx({**PARTS, **TRUTH}, abs=1e-9)
 
 
@@ -75,17 +77,24 @@ def test_anisotropy_seen_from_all_around_hardly_moves_the_rim_share() -> None:
     assert found["rim_share"].value == pytest.approx(0.4, abs=0.03)
 
 
-def test_files_are_read_by_surface(tmp_path) -> None:
+def pairs_in(path, rho, **wanted):
+    """The pairs of the rows that have these texts."""
+    table = read_csv_table(path)
+    return read_wrench_twists(
+        table, [row for row in table.rows if all(table.text(row, key) == text for key, text in wanted.items())], rho
+    )
+
+
+def test_rows_of_a_table_are_read_as_they_were_scaled(tmp_path) -> None:
     file = tmp_path / "pairs.csv"
     file.write_text(f"{HEADER}\nabs,1.0,0.0,0.5,0.01,0.0,0.004\nplywood,2.0,0.0,0.5,0.01,0.0,0.004\n")
-    data = read_wrench_twists(file, rho=0.06, surface="plywood")
-    assert data.wrench.tolist() == [[2.0, 0.0, 0.03]] and np.allclose(data.twist, [[0.01, 0.0, 0.004 / 0.06]])
-    told = "no row has surface 'delrin'; there are abs, plywood"
-    refused(read_wrench_twists, file, rho=0.06, surface="delrin", told=told, kind=DataFileError)
+    data = pairs_in(file, 0.06, surface="plywood")
+    assert data.wrench.tolist() == [[2.0, 0.0, 0.03]]
+    assert np.allclose(data.twist, [[0.01, 0.0, 0.004 / 0.06]])
     sign = f"{HEADER}\nabs,-1,0,-0.5,0.01,0,0.004\n"
     for text, words in ((sign, "turn their signs"), ("fx,fy\n1,2\n", "m_over_rho")):
         file.write_text(text)
-        refused(read_wrench_twists, file, rho=0.06, told=words, kind=DataFileError)
+        refused(pairs_in, file, 0.06, told=words, kind=DataFileError)
 
 
 @pytest.mark.parametrize(
@@ -104,8 +113,9 @@ def test_measured_pairs_ask_for_weight_on_the_rim_on_plywood_and_for_little_on_a
     slider, path = Slider.mit("rect1"), measured_data / "mit_rect1_wrench_twist_v10.csv"
     free, even = {}, {}
     for surface, count in (("plywood", 600), ("abs", 506)):
-        data = read_wrench_twists(path, rho=0.06364, surface=surface, source="HEAD_filtered")
-        assert len(data.twist) == count and np.all(data.power > 0.0)
+        data = pairs_in(path, 0.06364, surface=surface, source="HEAD_filtered")
+        assert len(data.twist) == count
+        assert np.all(np.sum(data.wrench * data.twist, axis=1) > 0.0)
         block = wrench_twist_block(data, slider.outline, slider.mass * 9.80665)
         assert len(np.unique(block.groups)) > 30
         free[surface] = identify([block], PARAMETERS, starts=2, student=4.0, folds=5)

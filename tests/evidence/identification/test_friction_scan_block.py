@@ -38,7 +38,7 @@ def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_thei
     scans = load_pushes(tmp_path / "made").scans
     assert len(scans) == 144
     found = identify([friction_scan_block(scans, loop.model.weight)], ELLIPSE, starts=4, folds=6)
-    assert found.converged and found.starts.arrived == 4
+    assert found.fit.converged and found.starts.arrived == 4
     for estimate in found.estimates:
         assert estimate.identifiable and estimate.upper - estimate.lower < 1e-3
         assert estimate.lower < TRUTH[estimate.name] < estimate.upper

@@ -27,7 +27,7 @@ def blocks(noise: float, seed: int = 0, count: int = 16, shared: float = 0.0) ->
 def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() -> None:
     steps: list[float] = []
     found = identify(blocks(0.0), NAMES, starts=3, folds=3, progress=steps.append)
-    assert found.converged and found.notes == () and found.starts.arrived == 3
+    assert found.fit.converged and found.notes == () and found.starts.arrived == 3
     assert max(abs(found.values[name] - TRUTH[name]) for name in NAMES) < 1e-9
     truth = SurfaceParameters.from_values(TRUTH).to_friction()
     assert np.allclose(dataclasses.astuple(found.friction()), dataclasses.astuple(truth), atol=1e-9)
@@ -85,7 +85,7 @@ def test_a_value_on_its_bound_says_which() -> None:
     found = identify(blocks(0.005), NAMES, starts=2, space=space)
     share = found["rim_share"]
     assert (share.at_bound, share.lower_open, share.lower) == ("lower", True, 0.45)
-    assert found.converged and "rim_share lies on a bound" in found.notes
+    assert found.fit.converged and "rim_share lies on a bound" in found.notes
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ def made() -> MeasuredCycleMap:
 def test_the_made_map_is_found_with_its_wear_its_scatter_and_its_bottleneck(made) -> None:
     worn = made.fitted.wear
     assert (worn.harmonics, worn.degree, made.wears) == (1, 1, True)
-    assert worn.sigma == pytest.approx(0.02, rel=0.1)
+    assert worn.whole.sigma == pytest.approx(0.02, rel=0.1)
     for state in (made.early, made.late):
         assert not state.fixed_points
         (passage,) = state.passages

@@ -8,19 +8,19 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence import SurfaceParameters, published_comparison
+from cyclemap.evidence import SurfaceParameters
 from cyclemap.evidence.data_blocks.stroke_block import interpolation, loop_on
-from cyclemap.evidence.published_statistics import (
-    CYCLE_NOISE,
-    DIRECTION_TOLERANCE,
-    PUBLISHED,
-    node_values,
-    predicted_statistics,
-    published_statistics,
-    run_law,
-)
+from cyclemap.figures.published_statistics import PUBLISHED, published_statistics
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
 from cyclemap.mechanics import Material, load_material
+from tests.inference.published_prediction import (
+    CYCLE_NOISE,
+    DIRECTION_TOLERANCE,
+    node_values,
+    predicted_statistics,
+    published_comparison,
+    run_law,
+)
 
 NODES, CYCLES = 11, 100
 ANGLES = 2 * np.pi * np.arange(NODES) / NODES
