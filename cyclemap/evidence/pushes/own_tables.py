@@ -1,4 +1,4 @@
-"""Tables of one's own brought to the columns of `read_push_csv`: CSV of any house, Excel, LeRobot's parquet, ROS bags.
+"""Tables of one's own, as `own_files` reads them, brought to the columns of `read_push_csv`.
 
 What a column means is told or guessed by its name, its unit by name or size; every guess is said, and nothing that two
 readings are possible of is guessed. A stream of one object's poses becomes pushes by its episodes, or by its rests.
@@ -6,35 +6,26 @@ readings are possible of is guessed. A stream of one object's poses becomes push
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
 
 import numpy as np
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.own_files import BAGS, EXCEL, PARQUET, QUATERNION, Columns, raw_columns
 from cyclemap.evidence.pushes.push_files import SUFFIXES
-from cyclemap.text_files import read_text
 
-Columns = dict[str, Array]
-
-EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
 TEXTS = (".csv", ".tsv", ".txt", ".dat")
 _ANGLES, _PLACES = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y")
-_QUATERNION = ("qx", "qy", "qz", "qw")
 _LENGTHS = (*_PLACES, "length")
 _OTHERS = ("t", "episode", "repetition", "side", "fraction")
-_KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *_QUATERNION)
+_KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *QUATERNION)
 _ANGLE_UNITS, _LENGTH_UNITS = {"deg": math.pi / 180.0, "rad": 1.0}, {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 _TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
@@ -60,19 +51,20 @@ _MEANING = {
     "length": (r"push_?length|push_?distance",),
     **{
         name: (rf"(?:orientation_|quat(?:ernion)?_)?{name}", rf"(?:orientation|quat(?:ernion)?)_{name[1]}")
-        for name in _QUATERNION
+        for name in QUATERNION
     },
 }
-_UNIT_WORDS = {"degrees": "deg", "degree": "deg", "°": "deg", "grad": "deg"}
-_UNIT_WORDS |= {"radians": "rad", "metres": "m", "meters": "m"}
+_UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
+    "radians": "rad",
+    "metres": "m",
+    "meters": "m",
+}
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _POSES = {"x0", "y0", "x1", "y1"}
 _OURS = ({"theta0_deg"}, {"theta0_accum_deg"}, _POSES, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
 # A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
 _REST_SECONDS, _SLOW, _SLOW_TURN, _SMOOTHED_SECONDS = 0.4, 0.003, 0.03, 0.2
 _LONGEST_HEADER = 100_000
-# Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
-_LARGEST_DECODED = 2**26
 # Angles beyond this are no radians, not even where they go on past a turn; places beyond this no metres of a table.
 _NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so on.
@@ -159,7 +151,7 @@ def _understood(
     for unit in units:
         if unit not in _UNITS:
             raise InvalidInput(f"--units {unit}: know {', '.join(_UNITS)}")
-    raw = _raw(place, told, growing)
+    raw = raw_columns(place, told, growing)
     meaning = _meaning(place, raw, told)
     if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
         raise DataFileError(f"{place}: a stream of poses is cut into pushes once it is whole: without --follow")
@@ -172,7 +164,7 @@ def _understood(
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
     if "qw" in found:
-        x, y, z, w = (found.pop(name) for name in _QUATERNION)
+        x, y, z, w = (found.pop(name) for name in QUATERNION)
         size = x * x + y * y + z * z + w * w
         found["theta"] = np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
     if "theta" in found and "theta0" not in found:
@@ -184,173 +176,6 @@ def _understood(
             if "t" in found or "episode" in found:
                 words.append("a row a push: its orientation the one before the push")
     return found, words, len(meaning) > len(told) or not units
-
-
-def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
-    """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an unfinished line."""
-    if path.is_dir() and (path / "meta" / "info.json").is_file():
-        return _lerobot(path)
-    if not path.is_dir() and not path.is_file():
-        pipe = "is a pipe or a device; give a regular file"
-        raise DataFileError(f"{path}: {pipe if path.exists() else 'there is no such file; check the path'}")
-    if path.is_dir() or path.suffix.lower() in BAGS:
-        return _bag(path, told.get("pose"))
-    if path.suffix.lower() in PARQUET:
-        return _parquet([path])
-    if path.suffix.lower() not in EXCEL:
-        text = read_text(path, "CSV")
-        return _csv(path, text[: text.rfind("\n") + 1] if growing else text)
-    _library("openpyxl", "excel")
-    # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
-    with _refused_as(path, "a spreadsheet"):
-        with ZipFile(path) as parts:
-            _check_size(path, sum(part.file_size for part in parts.infolist()))
-        return _numbers(path, import_module("pandas").read_excel(path))
-
-
-@contextmanager
-def _refused_as(path: Path, kind: str) -> Iterator[None]:
-    """Whatever a library raises becomes a DataFileError."""
-    try:
-        yield
-    except DataFileError:
-        raise
-    except Exception as error:
-        raise DataFileError(f"{path}: not {kind} that can be read ({error})") from error
-
-
-def _check_size(path: Path, decoded: int) -> None:
-    """Refuse what is small on disk and large when it is unpacked."""
-    if decoded > _LARGEST_DECODED:
-        raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
-
-
-def _csv(path: Path, text: str) -> Columns:
-    """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
-    pandas: Any = import_module("pandas")
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
-    if len(lines) < 2:
-        raise DataFileError(f"{path}: {len(lines)} lines; a header and rows are wanted")
-    separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
-    # A comma below a header of one name is a decimal one.
-    if separator not in lines[0]:
-        separator = ";"
-    try:
-        rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
-        names = len(rows[0])
-        # pandas would take the first column of longer rows for their names, and move all others by one.
-        for row in rows:
-            if any(field.strip() for field in row[names:]):
-                raise DataFileError(f"{path}: {len(row)} fields below {names} names: {separator.join(row)[:80]}")
-        form = {"sep": separator, "decimal": "." if separator == "," else ",", "skipinitialspace": True}
-        frame = pandas.read_csv(io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form)
-    except (ValueError, csv.Error, pandas.errors.ParserError) as error:
-        raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
-    return _numbers(path, frame)
-
-
-def _numbers(path: Path, frame: Any) -> Columns:
-    pandas: Any = import_module("pandas")
-    found: Columns = {}
-    for name in frame.columns:
-        column = frame[name]
-        if column.dtype.kind not in "iufb":
-            text = column.astype("string").str.strip().str.replace(",", ".", regex=False)
-            column = pandas.to_numeric(text, errors="coerce")
-            if column.isna().all():
-                moment = pandas.to_datetime(text, errors="coerce", format="ISO8601", utc=True)
-                column = (moment - pandas.Timestamp(0, tz="UTC")).dt.total_seconds()
-        found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
-    if not any(np.isfinite(values).any() for values in found.values()):
-        raise DataFileError(f"{path}: no column of numbers among {', '.join(map(str, frame.columns))[:200]}")
-    return found
-
-
-def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = None) -> Columns:
-    """Columns of parquet files, one after the other; of lists each part as a column named[i], or by its own name."""
-    _library("pyarrow", "lerobot")
-    pandas: Any = import_module("pandas")
-    parquet: Any = import_module("pyarrow.parquet")
-    # Arrow's own kinds of error, and any of what a damaged type makes of pandas.
-    with _refused_as(files[0], "parquet"):
-        groups = [told.row_group(n) for told in map(parquet.read_metadata, files) for n in range(told.num_row_groups)]
-        _check_size(files[0], 8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)))
-        frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
-    found: Columns = {}
-    for column in frame.columns:
-        values = frame[column]
-        if values.dtype.kind in "iufb":
-            found[column] = values.to_numpy(dtype=float)
-        elif len(values) and np.ndim(values.iloc[0]) == 1:
-            parts = np.stack(values.to_numpy())
-            if parts.dtype.kind in "iuf":
-                own = (names or {}).get(column, ())
-                for number in range(parts.shape[1]):
-                    found[f"{column}[{number}]"] = parts[:, number].astype(float)
-                    if number < len(own) and own[number] not in found:
-                        found[own[number]] = found.pop(f"{column}[{number}]")
-    return found
-
-
-def _lerobot(path: Path) -> Columns:
-    """A LeRobot data set: its parquet files in order, the parts of its features by the names that it gives them."""
-    files = sorted((path / "data").rglob("*.parquet"))
-    if not files:
-        raise DataFileError(f"{path}: a LeRobot data set without data/*.parquet: fetch its data, not meta alone")
-    try:
-        features = json.loads(read_text(path / "meta" / "info.json", "JSON")).get("features", {})
-    except ValueError as error:
-        raise DataFileError(f"{path / 'meta' / 'info.json'}: not JSON ({error})") from error
-    names = {}
-    for name, feature in features.items():
-        listed = feature.get("names") if isinstance(feature, dict) else None
-        listed = next(iter(listed.values()), None) if isinstance(listed, dict) else listed
-        if isinstance(listed, list) and all(isinstance(one, str) for one in listed):
-            names[name] = listed
-    return _parquet(files, names)
-
-
-def _bag(path: Path, topic: str | None) -> Columns:
-    """The poses of one topic of a ROS bag, 1 or 2."""
-    _library("rosbags", "ros")
-    highlevel: Any = import_module("rosbags.highlevel")
-    typesys: Any = import_module("rosbags.typesys")
-    rows = []
-    try:
-        store = typesys.get_typestore(typesys.Stores.LATEST)
-        with highlevel.AnyReader([path], default_typestore=store) as reader:
-            posed = [one for one in reader.connections if re.search(r"Pose|Odometry|Transform", one.msgtype)]
-            topics = sorted({one.topic for one in posed})
-            wanted = topic or (topics[0] if len(topics) == 1 else None)
-            if wanted not in topics:
-                among = ", ".join(sorted({c.topic for c in reader.connections})) or "none"
-                have = ", ".join(topics) or f"none among {among}"
-                mend = "give the topic of the object's pose, --columns pose=TOPIC"
-                raise DataFileError(f"{path}: {mend}; with poses: {have}")
-            for one, stamp, content in reader.messages([c for c in posed if c.topic == wanted]):
-                pose = reader.deserialize(content, one.msgtype)
-                while not hasattr(pose, "orientation") and not hasattr(pose, "rotation"):
-                    pose = pose.pose if hasattr(pose, "pose") else pose.transform
-                place = getattr(pose, "position", None) or pose.translation
-                turn = getattr(pose, "orientation", None) or pose.rotation
-                rows.append([1e-9 * stamp, place.x, place.y, turn.x, turn.y, turn.z, turn.w])
-    except DataFileError:
-        raise
-    except Exception as error:
-        mend = "one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
-        if "Profile is not ros2" in str(error):
-            mend = "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
-        raise DataFileError(f"{path}: not a ROS bag that can be read ({error}): {mend}") from error
-    if not rows:
-        raise DataFileError(f"{path}: the topic {wanted} has no message")
-    return dict(zip(("t", "x", "y", *_QUATERNION), np.array(rows).T, strict=True))
-
-
-def _library(name: str, extra: str) -> None:
-    try:
-        import_module(name)
-    except ImportError as error:
-        raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[{extra}]'") from error
 
 
 def _bare(column: str) -> tuple[str, str]:
@@ -385,8 +210,8 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
         after = meaning["theta1"]
         told_by = f"Say --columns theta1={after} or theta_next={after}"
         raise DataFileError(f"{path}: is {after} the orientation after the push, or before the next one? {told_by}")
-    quaternion = set(_QUATERNION) & set(meaning)
-    if quaternion and quaternion != set(_QUATERNION):
+    quaternion = set(QUATERNION) & set(meaning)
+    if quaternion and quaternion != set(QUATERNION):
         raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
     if not {"theta0", "theta", "qw"} & set(meaning):
         mend = "say which, --columns theta0=NAME"

@@ -56,13 +56,22 @@ def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(tmp_path
     "lines",
     [
         ["Orientation [deg]", *(f"{x:.4f}".replace(".", ",") for x in WRAPPED)],
+        ["yaw (radians)", *(f"{math.radians(x) + 8.0 * math.pi:.6f}" for x in THETA_DEG)],
         ["yaw_deg,mark,", *(f"{x},1," for x in WRAPPED)],
         ["yaw_deg,mark", *(f"{x},1," for x in WRAPPED)],
         ["t,trial,yaw_deg", *(f"{9.3 * n:.2f},{n},{x}" for n, x in enumerate(WRAPPED))],
         ["t,yaw_deg", *(f"{9.3 * n:.2f},{x}" for n, x in enumerate(WRAPPED))],
         ["time,yaw_deg", *(f"2026-11-20T10:{n // 6:02}:{n % 6}0,{x}" for n, x in enumerate(WRAPPED))],
     ],
-    ids=["decimal commas alone", "trailing commas", "trailing commas below", "a row a trial", "a row a push", "dates"],
+    ids=[
+        "decimal commas alone",
+        "radians by name",
+        "trailing commas",
+        "trailing commas below",
+        "a row a trial",
+        "a row a push",
+        "dates",
+    ],
 )
 def test_a_row_a_push_is_read_as_it_stands(tmp_path, lines) -> None:
     path = tmp_path / "log.csv"
