@@ -115,7 +115,7 @@ def test_every_public_name_and_command_is_in_the_reference(pages):
     paths = {f"cyclemap.{name}" for name in cm.__all__ if name not in rooms}
     for room in rooms - {"views"}:
         paths |= {f"cyclemap.{room}.{name}" for name in getattr(cm, room).__all__ if name not in cm.__all__}
-    assert len(paths) > 300
+    assert len(paths) > 250
     assert len(cli.commands) >= 8
     assert sorted((paths | {f"cyclemap-{name}" for name in cli.commands}) - anchors) == []
 
