@@ -69,6 +69,8 @@ _LONGEST_HEADER = 100_000
 _NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so on.
 _AN_EPOCH = 1e8
+# Pairs from which on it is told that they look random: 96 % of random ones do.
+_FEWEST_AT_RANDOM = 20
 # Seconds from row to row: beyond this a row is a push of its own.
 _A_CYCLE = 3.0
 
@@ -331,6 +333,14 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
+    pairs = kept & np.isfinite(found["theta_next"])
+    now, later = found["theta0"][pairs], found["theta_next"][pairs]
+    # Where a reset follows from the push, either it leads to some places more than to others, or turns have a mean.
+    chance = [
+        abs(np.mean(np.exp(1j * angle))) < 2.0 / math.sqrt(now.size) for angle in (later, later - now) if now.size
+    ]
+    if now.size >= _FEWEST_AT_RANDOM and all(chance):
+        words.append("the orientation before the next push goes with nothing: set at random, it tells of no cycle")
     poses = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
     if posed and "repetition" not in found:
         found["repetition"] = number
