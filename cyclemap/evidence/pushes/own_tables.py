@@ -319,7 +319,7 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is told."""
     known = np.isfinite(found["theta0"])
     words, posed = _without_orientation(known), set(found) >= {"theta1", *_POSES}
-    number = found.get("repetition", np.arange(known.size, dtype=float))
+    number, at_random = found.get("repetition", np.arange(known.size, dtype=float)), False
     if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
         return {"theta0": found["theta0"]}, words
     if "theta_next" not in found:
@@ -328,21 +328,23 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         found["theta_next"] = np.where(follows, following, math.nan)
         if not follows[:-1].all():
             words.insert(0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
+        pairs = np.isfinite(found["theta0"]) & np.isfinite(found["theta_next"])
+        now, later = found["theta0"][pairs], found["theta_next"][pairs]
+        # Where a reset makes them they gather somewhere, or turns have a mean.
+        gather = max((abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size), default=1.0)
+        at_random = posed and now.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(now.size)
+        if at_random:
+            words.append("orientations before pushes go with nothing: taken as set at random, no cycle among them")
+            del found["theta_next"]
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
-    pairs = kept & np.isfinite(found["theta_next"])
-    now, later = found["theta0"][pairs], found["theta_next"][pairs]
-    # Where a reset follows from the push, either it leads to some places more than to others, or turns have a mean.
-    chance = [
-        abs(np.mean(np.exp(1j * angle))) < 2.0 / math.sqrt(now.size) for angle in (later, later - now) if now.size
-    ]
-    if now.size >= _FEWEST_AT_RANDOM and all(chance):
-        words.append("the orientation before the next push goes with nothing: set at random, it tells of no cycle")
     poses = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
-    if posed and "repetition" not in found:
+    if at_random:
+        found.pop("repetition", None)
+    elif posed:
         found["repetition"] = number
     named = [name for name in (poses if posed else ("theta0", "theta_next")) if name in found]
     return {name: found[name][kept] for name in named}, words

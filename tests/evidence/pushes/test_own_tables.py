@@ -90,6 +90,16 @@ def test_all_angles_and_all_places_are_guessed_in_one_unit(tmp_path) -> None:
     assert found["x0"] == pytest.approx(1e-4) and found["y1"] == pytest.approx(-0.07)
 
 
+@pytest.mark.parametrize(("spread", "random"), [(math.pi, True), (0.3, False)])
+def test_orientations_set_at_random_are_told_from_those_that_a_reset_makes(tmp_path, spread, random) -> None:
+    path, starts = tmp_path / "poses.csv", 1.0 + np.random.default_rng(3).uniform(-spread, spread, 100)
+    path.write_text("x0,y0,yaw0,x1,y1,yaw1\n" + "".join(f"0,0,{a},0.04,-0.07,{a + 1.3}\n" for a in starts))
+    found = read_own_table(path, units=["rad", "m"])
+    assert any("no cycle among them" in line for line in found.words) == random
+    (tmp_path / "read.csv").write_text(found.csv_text())
+    assert load_pushes(tmp_path / "read.csv").table["theta_next"].isna()[:-1].all() == random
+
+
 def test_a_spreadsheet_is_read_and_one_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> None:
     pytest.importorskip("openpyxl")
     path = tmp_path / "log.xlsx"
