@@ -10,6 +10,8 @@ Friction and pressure
 ---------------------
 EllipseFriction, worn_friction : friction of a point; between fresh and worn
 Footprint, PatchFootprint, PointFootprint : how the load is spread, exactly or over points
+SurfaceShape, PressedFootprint, resting_pressure : plates and floors that are not flat, and where
+    one rests on the other
 grid_footprint, corner_footprint : footprints of points, by their count or on the corners
 load_footprint, parse_footprint : footprints from a file, or by a word
 LimitSurface : friction of a whole footprint; dissipation, wrench and twist
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
         load_footprint,
         parse_footprint,
     )
+    from cyclemap.mechanics.foundation import PressedFootprint, SurfaceShape
     from cyclemap.mechanics.friction import EllipseFriction, LimitSurface, worn_friction
     from cyclemap.mechanics.material import (
         CycleNoise,
@@ -57,6 +60,7 @@ if TYPE_CHECKING:
     from cyclemap.mechanics.material_text import load_material, material_names, material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
     from cyclemap.mechanics.quasi_static import QuasiStaticModel
+    from cyclemap.mechanics.resting import resting_pressure
     from cyclemap.mechanics.slider import (
         MIT_HITCH,
         MIT_SHAPE_NAMES,
@@ -84,6 +88,9 @@ __all__ += [
     "Footprint",
     "LimitSurface",
     "PatchFootprint",
+    "PressedFootprint",
+    "SurfaceShape",
+    "resting_pressure",
     "PointFootprint",
     "corner_footprint",
 ]

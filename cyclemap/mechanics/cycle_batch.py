@@ -13,8 +13,9 @@ from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.parts import PARTS
-from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, pressure_tables
+from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal
 from cyclemap.mechanics.slider import DragBack, Pose, SidePush
 
@@ -215,8 +216,8 @@ def _check(
 
 
 def derivative_units(model: QuasiStaticModel, names: Sequence[str]) -> Array:
-    """Return factors (k,) from derivatives by the engine's `names` to those by SI; nan for shares
-    there cannot be.
+    """Return factors (k,) from derivatives by the engine's `names` to those by SI, and by shapes in
+    mean pressures; nan for shares and shapes that there cannot be.
     """
     factors = dict.fromkeys(names, 1.0) | dict.fromkeys(_LENGTHS, 1.0 / model.unit)
     factors |= dict.fromkeys(_FRICTION, 1.0 / model.scale)
@@ -224,4 +225,7 @@ def derivative_units(model: QuasiStaticModel, names: Sequence[str]) -> Array:
     for part, count in zip(PARTS, rows.tolist(), strict=True):
         if part.share is not None and count == 0:
             factors[part.share] = math.nan
+    pressure = model.pressure
+    bend = pressure.bend_unit if isinstance(pressure, PressedFootprint) else math.nan
+    factors |= dict.fromkeys(SHAPES, bend)
     return np.array([factors[name] for name in names])

@@ -11,6 +11,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, point, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, area_quadrature
 from cyclemap.text_files import read_csv_table, require_columns
 
@@ -192,7 +193,7 @@ class PointFootprint:
         )
 
 
-Footprint = PatchFootprint | PointFootprint
+Footprint = PatchFootprint | PressedFootprint | PointFootprint
 
 
 def grid_footprint(outline: Outline, count: int) -> PointFootprint:

@@ -183,7 +183,7 @@ class LimitSurface:
             raise InvalidInput("friction is not unique at rest: a twist is zero")
         c, s = math.cos(law.phi - frame), math.sin(law.phi - frame)
         matrix = (law.mu_a * c, -law.mu_b * s, law.mu_a * s, law.mu_b * c)
-        values = friction_values(pressure_tables(self.footprint), matrix, columns)
+        values = friction_values(pressure_tables(self.footprint), frame, matrix, columns)
         # The ellipse's centre (m0, n0) acts as one constant force at the centre of pressure.
         fx, fy = c * law.m0 - s * law.n0, s * law.m0 + c * law.n0
         x, y = np.divide(self.footprint.centre, size)

@@ -19,6 +19,7 @@ typedef struct {
     int is_far;          /* regime of the pressure's sums */
     const volatile int64_t *stop;
     struct Variation *varied; /* null where no derivatives are wanted */
+    Pressed *pressed;         /* the contact of a foundation, at the last orientation */
     Record *record;
 } Stroke;
 
@@ -86,18 +87,22 @@ static void begin(const Stroke *r, const Motion *m, const double *state, const d
 /* Wrench and Hessian of friction at a state: what all contacts balance. */
 static void friction_on(const Stroke *r, const double *state, const Begun *b, int *is_far,
                         double *friction) {
-    (void)state;
-    friction_at(&r->object->pressure, b->twist, b->matrix, is_far, friction);
+    const Pressure *pressure = &r->object->pressure;
+    if (is_pressed(pressure)) press(pressure, state[THETA], r->pressed);
+    friction_at(pressure, r->pressed, b->twist, b->matrix, is_far, friction);
 }
 
-/* Derivatives of its wrench, by columns: by mu_a, mu_b, alpha (not all: by alpha alone), and by
-   SHARES. */
-static void friction_varies(const Stroke *r, const double *state, const Begun *b, int all,
-                            double *by_law, double *by_pressure) {
-    (void)state;
+/* Derivatives of its wrench where it was found last, by columns: by mu_a, mu_b, alpha (not all: by
+   alpha alone), by theta through the pressure, and by OF_PRESSURE. */
+static void friction_varies(const Stroke *r, const Begun *b, int all, double *by_law,
+                            double *by_turning, double *by_pressure) {
     const Pressure *pressure = &r->object->pressure;
-    friction_by_law(pressure, b->twist, b->matrix, r->is_far, !all, by_law);
-    if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, by_pressure);
+    friction_by_law(pressure, r->pressed, b->twist, b->matrix, r->is_far, !all, by_law);
+    memset(by_turning, 0, WRENCH * sizeof(double));
+    if (is_pressed(pressure))
+        friction_by_shapes(pressure, r->pressed, b->twist, b->matrix, r->is_far, by_turning,
+                           by_pressure + WRENCH * SHARES);
+    else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, by_pressure);
 }
 
 static void finish(const Motion *m, const Begun *b, const double *z, const double *wrench,

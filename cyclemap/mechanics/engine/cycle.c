@@ -23,7 +23,8 @@ static void set_sources(const Loop *loop, Variation *v) {
     for (int k = 0; k < v->count; ++k) {
         for (int j = BY_MU_A; j <= BY_PHI; ++j)
             v->source[SOURCE_MU_A + j - BY_MU_A][k] = one(loop, k, j, 0);
-        for (int j = 0; j < SHARES; ++j) v->source[VARIED + j][k] = one(loop, k, BY_SHARE[j], 0);
+        for (int j = 0; j < OF_PRESSURE; ++j)
+            v->source[VARIED + j][k] = one(loop, k, BY_PRESSURE[j], 0);
     }
 }
 
@@ -58,8 +59,11 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
 /* The push: moves the object; LEFT, DISTANCE, or why not. */
 static int push_object(const Loop *loop, Body *body, double *travel, const volatile int64_t *stop,
                        Record *record) {
+    Pressed pressed;
+    begin_pressed(&pressed, loop->object.tolerance);
     Stroke r = {
         .object = &loop->object,
+        .pressed = &pressed,
         .direction = loop->direction + (loop->with_object ? body->theta : 0.0),
         .friction = loop->rod_friction,
         .longest = record ? record->longest : INFINITY,
@@ -143,6 +147,8 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
     const double *hitch = o->pieces + o->piece_count * PIECE_COLUMNS + PIECE_GEOMETRY;
     const double unit[2][2] = {{1, 0}, {0, 1}};
     double lever[2], by_ring[MOST_VARIED][2], ring[2], moved = 0.0;
+    Pressed pressed;
+    begin_pressed(&pressed, o->tolerance);
     turned(body->theta, hitch, lever);
     for (int c = 0; c < 2; ++c) ring[c] = body->place[c] + lever[c];
     for (int k = 0; k < body->count; ++k) {
@@ -159,6 +165,7 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
         double state[] = {body->theta, 0.0}, travel = 0.0;
         Stroke r = {
             .object = o,
+            .pressed = &pressed,
             .direction = atan2(dy, dx),
             .friction = loop->pin_friction,
             .longest = record ? record->longest : INFINITY,

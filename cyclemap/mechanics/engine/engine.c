@@ -3,9 +3,11 @@
 
    kernels.c   written when the package is built: names of schema.py, CasADi's functions of
                equations.py, and the tables of generate.py
-   pressure.c  wrench and Hessian of friction: what edges, lines and points add, whole footprints,
-               their derivatives
+   pressure.c  wrench and Hessian of friction: what edges, lines and points add, and their sum
    ellipse.c   what elliptic patches and rims add
+   foundation.c  the pressure and the contact of a foundation that is pressed
+   cones.c     friction over such a contact
+   friction.c  friction of either pressure, and its derivatives
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns,
                solved until certain
    step.c      one step of a motion, its error, its length, and how its end varies with its start
@@ -48,6 +50,9 @@ enum { X, Y };
 
 #include "pressure.c"
 #include "ellipse.c"
+#include "foundation.c"
+#include "cones.c"
+#include "friction.c"
 #include "contact.c"
 #include "step.c"
 #include "phase.c"

@@ -22,7 +22,7 @@ from types import SimpleNamespace
 
 import casadi as ca
 
-from cyclemap.mechanics.engine.parts import ROW_KINDS, SHARES
+from cyclemap.mechanics.engine.parts import ROW_KINDS
 from cyclemap.mechanics.engine.schema import (
     FRAME,
     FRICTION,
@@ -30,7 +30,9 @@ from cyclemap.mechanics.engine.schema import (
     LAWS,
     MATRIX,
     MOTION,
+    OF_PRESSURE,
     PAIRS,
+    QUADRATIC,
     STATE,
     TWIST,
     UNKNOWN,
@@ -93,6 +95,17 @@ def kernels() -> dict[str, ca.Function]:
     moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
     found["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
     found["corner"] = function_of("corner", [twist, matrix, place], [_image(twist, matrix, place)])
+    pressure, cone = ca.SX.sym("pressure", 6), ca.SX.sym("cone", 3)
+    sums = ca.vertcat(*_pressed_side(_Side(own), twist, matrix, ends, pressure))
+    found["pressed_side"] = function_of("pressed_side", [twist, matrix, ends, pressure], [sums])
+    moved = ca.jtimes(sums[:3], matrix, toward)
+    found["pressed_side_toward"] = function_of(
+        "pressed_side_toward", [twist, matrix, ends, pressure, toward], [moved]
+    )
+    moved = ca.jtimes(ca.vertcat(*_pressed_cone(twist, matrix, cone, pressure)), matrix, toward)
+    found["pressed_cone_toward"] = function_of(
+        "pressed_cone_toward", [twist, matrix, cone, pressure, toward], [moved]
+    )
     return found
 
 
@@ -241,6 +254,85 @@ def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     fx = (side.d * side.angle * side.nx + side.rise * side.tx) / side.size
     fy = (side.d * side.angle * side.ny + side.rise * side.ty) / side.size
     return _homogeneous(matrix, side.length / side.size, fx, fy, curve)
+
+
+def _about_rotation(twist: ca.SX, pressure: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Return the centre of rotation, and the pressure there with its gradient; `pressure`: c, l, and q's xx, xy, yy."""
+    x, y = -twist[1] / twist[2], twist[0] / twist[2]
+    c, lx, ly, xx, xy, yy = ca.vertsplit(pressure)
+    gx = lx + 2 * (xx * x + xy * y)
+    gy = ly + 2 * (xy * x + yy * y)
+    level = c + x * (lx + xx * x + 2 * xy * y) + y * (ly + yy * y)
+    return x, y, level, ca.vertcat(gx, gy)
+
+
+def _pressed_side(
+    side: _Side, twist: ca.SX, matrix: ca.SX, ends: ca.SX, pressure: ca.SX
+) -> list[ca.SX]:
+    """What one side of the contact adds under a pressure c + l.r + r.Q r that it bounds.
+
+    The contact is cut into cones from the centre of rotation, where w = 0: with rho = r - r_c and F(w) homogeneous of
+    degree k, int P F = rim (rho x drho) F int_0^1 P(r_c + s rho) s^(k+1) ds; along a side all that is in closed form.
+    """
+    x, y, level, gradient = _about_rotation(twist, pressure)
+    gx, gy = gradient[0], gradient[1]
+    xx, xy, yy = pressure[3], pressure[4], pressure[5]
+    ax, ay = ends[0] - x, ends[1] - y
+    ex, ey = (ends[2] - ends[0]) / side.size, (ends[3] - ends[1]) / side.size
+    foot_x, foot_y = ax - side.start * ex, ay - side.start * ey
+    cross = ax * ey - ay * ex
+    # P's terms of degree 1 and 2 in rho = foot + t e.
+    first = (gx * foot_x + gy * foot_y, gx * ex + gy * ey)
+    second = (
+        xx * foot_x * foot_x + 2 * xy * foot_x * foot_y + yy * foot_y * foot_y,
+        2 * (xx * foot_x * ex + xy * (foot_x * ey + foot_y * ex) + yy * foot_y * ey),
+        xx * ex * ex + 2 * xy * ex * ey + yy * ey * ey,
+    )
+
+    def coned(degree: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+        a, b, c = 1.0 / (degree + 2), 1.0 / (degree + 3), 1.0 / (degree + 4)
+        return level * a + first[0] * b + second[0] * c, first[1] * b + second[1] * c, second[2] * c
+
+    d, square = side.d, side.d * side.d
+    s0, s1, t0, t1 = side.s0, side.s1, side.start, side.end
+    cube = side.rise * (s0 * s0 + s0 * s1 + s1 * s1) / 3
+    # Integrals of t^k s, t^k / s and t^k / s^3 along the side.
+    fourth = (t1 * s1**3 - t0 * s0**3) / 4 - square * side.length / 4
+    over = (side.angle, side.rise, side.moment, cube - square * side.rise)
+    sine = t1 / (s1 + TINY) - t0 / (s0 + TINY)
+    slope = side.rise / (s0 * s1 + TINY)
+    thrice = (
+        slope,
+        side.angle - sine,
+        side.rise - square * slope,
+        side.moment - square * (side.angle - sine),
+    )
+    a, b, c = coned(1)
+    speed = a * side.length + b * cube + c * fourth
+    a, b, c = coned(0)
+    even = a * over[0] + b * over[1] + c * over[2]
+    odd = a * over[1] + b * over[2] + c * over[3]
+    fx, fy = d * even * side.nx + odd * side.tx, d * even * side.ny + odd * side.ty
+    a, b, c = coned(-1)
+    across = a * thrice[1] + b * thrice[2] + c * thrice[3]
+    mixed = -d * (a * thrice[0] + b * thrice[1] + c * thrice[2])
+    # d^2 of the integral of 1 / s^3 is sine.
+    along = a * sine + square * (b * thrice[0] + c * thrice[1])
+    sums = _homogeneous(matrix, speed, fx, fy, side.across(along, mixed, across))
+    return [cross * value for value in sums]
+
+
+def _pressed_cone(twist: ca.SX, matrix: ca.SX, cone: ca.SX, pressure: ca.SX) -> list[ca.SX]:
+    """D and force of one thin cone from the centre of rotation to a place on the rim; `cone`: it, and rho x drho."""
+    x, y, level, gradient = _about_rotation(twist, pressure)
+    rx, ry = cone[0] - x, cone[1] - y
+    first = gradient[0] * rx + gradient[1] * ry
+    second = pressure[3] * rx * rx + 2 * pressure[4] * rx * ry + pressure[5] * ry * ry
+    wx, wy = _velocity(twist, matrix, cone[0], cone[1])
+    size = ca.sqrt(wx * wx + wy * wy + TINIEST**2)
+    force = cone[2] * (level / 2 + first / 3 + second / 4) / size
+    speed = cone[2] * (level / 3 + first / 4 + second / 5) * size
+    return [speed, *_transposed(matrix, force * wx, force * wy)]
 
 
 def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
@@ -440,17 +532,20 @@ def _hessian(given: ca.SX) -> ca.SX:
 
 
 def _slopes(kind: str, law: str, by_all: bool) -> ca.Function:
-    """(state, parameters, unknowns, friction, by law 9, by pressure) -> derivatives, by columns.
+    """(state, parameters, unknowns, friction, by law 9, by turning 3, by pressure) -> derivatives.
+
+    By columns.
 
     By the implicit function theorem: of the rates (2, columns) by the state and SOURCES, or by the
     state and the direction; of the unknowns by the state, and what a Newton iteration corrects of
-    these. `by law`: of the wrench by mu_a, mu_b, alpha, by columns; `by pressure`: by its
-    parameters.
+    these. `by law`: of the wrench by mu_a, mu_b, alpha, by columns; `by turning`: by theta
+    through the pressure alone; `by pressure`: by its parameters.
     """
     count, name = LAWS[law], f"{'all_' if by_all else ''}slopes_{kind}_{law}"
     state, p, z = ca.SX.sym("state", STATE.size), ca.SX.sym("p", MOTION.size), ca.SX.sym("z", count)
     given, by_law = ca.SX.sym("given", FRICTION.size), ca.SX.sym("by_law", 9)
-    by_pressure, g = ca.SX.sym("by_pressure", 3 * len(SHARES)), ca.SX.sym("g", 3)
+    by_pressure, g = ca.SX.sym("by_pressure", 3 * len(OF_PRESSURE)), ca.SX.sym("g", 3)
+    by_turning = ca.SX.sym("by_turning", 3)
     motion = MOTION.of(p)
     # Of the angles themselves: they are varied.
     facing = (
@@ -472,9 +567,10 @@ def _slopes(kind: str, law: str, by_all: bool) -> ca.Function:
         ca.jacobian(frame[:3], varied)
         + _hessian(given) @ ca.jacobian(twist, varied)
         + ca.reshape(by_law, 3, 3) @ ca.jacobian(moving, varied)
+        + by_turning @ ca.jacobian(STATE.of(state).theta, varied)
     )
     if by_all:
-        by_varied = ca.horzcat(by_varied, by_g @ ca.reshape(by_pressure, 3, len(SHARES)))
+        by_varied = ca.horzcat(by_varied, by_g @ ca.reshape(by_pressure, 3, len(OF_PRESSURE)))
     by_unknowns = by_g @ _hessian(given) @ ca.jacobian(twist, z)
     tangent = -_solved(by_unknowns, by_varied)
     rates = ca.vertcat(*_rate(law, frame, p, z)[:2])
@@ -487,7 +583,7 @@ def _slopes(kind: str, law: str, by_all: bool) -> ca.Function:
         ca.substitute(value, g, total)
         for value in (ca.vec(whole), ca.vec(tangent[:, : STATE.size]), correction)
     ]
-    return function_of(name, [state, p, z, given, by_law, by_pressure], outputs)
+    return function_of(name, [state, p, z, given, by_law, by_turning, by_pressure], outputs)
 
 
 def _solved(matrix: ca.SX, right: ca.SX) -> ca.SX:

@@ -96,6 +96,11 @@ MIDDLE_VALUE = (
     ),
 )
 PANEL_ORDER = 12
+# Gauss's rules along what bounds a contact, and the exponents of their errors that are asked for: of
+# rough, usual and fine motions.
+BOUNDARY_RULES, BOUNDARY_DIGITS = (4, 6, 8, 10, 12, 16, 24), (18.0, 25.0, 31.0)
+# Places on an ellipse's rim between which a pressure is looked at.
+RIM_SAMPLES = 32
 # Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors
 # have at most.
 RULES, DIGITS = (8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512), 34.0
@@ -155,6 +160,7 @@ def _names() -> str:
         *(schema.MOTION, schema.FRAME, schema.MARGIN, schema.MOMENT, schema.REPORT),
         *(schema.PIECE, *schema.KINDS.values(), ROW, *ROW_KINDS.values(), NODE),
         *(schema.TASK, schema.RESULT, schema.OUTPUT, schema.RECORD),
+        *(schema.QUADRATIC, schema.SHAPE, schema.BALANCE),
     )
     modes, parts = schema.MODES, [part.name for part in PARTS]
     shares = [SHARES.index(part.share) if part.share else -1 for part in PARTS]
@@ -167,7 +173,7 @@ def _names() -> str:
         "VARIED_AT": schema.VARIED.values(),
         "SHARE_OF_PART": shares,
         "BALANCE_OF_PART": balances,
-        "BY_SHARE": [schema.PARAMETERS.index(name) for name in SHARES],
+        "BY_PRESSURE": [schema.PARAMETERS.index(name) for name in schema.OF_PRESSURE],
     }
     return "\n".join(
         [
@@ -182,7 +188,13 @@ def _names() -> str:
             numbered(parts, size_name="PARTS"),
             numbered(schema.PARAMETERS, "BY_", "MOST_VARIED"),
             numbered(schema.SOURCES, "SOURCE_", "SOURCES"),
-            enum_of({"VARIED": len(schema.VARIED), "SHARES": len(SHARES)}),
+            enum_of(
+                {
+                    "VARIED": len(schema.VARIED),
+                    "SHARES": len(SHARES),
+                    "OF_PRESSURE": len(schema.OF_PRESSURE),
+                }
+            ),
             *(
                 f"static const int {name}[] = {braced(values)};"
                 for name, values in integers.items()
@@ -204,12 +216,20 @@ def _tables() -> str:
         "PLACE_COUNT": len(order),
         "RULE_COUNT": len(RULES),
         "PANEL_ORDER": PANEL_ORDER,
+        "BOUNDARY_RULE_COUNT": len(BOUNDARY_RULES),
+        "RIM_SAMPLES": RIM_SAMPLES,
+        "DIGIT_CLASSES": len(BOUNDARY_DIGITS),
     }
+    boundary = [np.polynomial.legendre.leggauss(order) for order in BOUNDARY_RULES]
+    around = np.arange(RIM_SAMPLES + 1) * 2.0 * np.pi / RIM_SAMPLES
+    # The size of Bernstein's ellipse from which a rule serves.
+    reach = np.exp(np.array(BOUNDARY_DIGITS)[:, None] / (2.0 * np.array(BOUNDARY_RULES)))
     lines = [enum_of(counts)]
     integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest}
     angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])
     integers["FIRST_NODE"] = np.cumsum([0, *(count // 2 for count in RULES)]).tolist()
     integers["RULES"] = list(RULES)
+    integers["BOUNDARY_FIRST"] = np.cumsum([0, *BOUNDARY_RULES]).tolist()
     numbers: dict[str, Iterable[float]] = {
         "NODE_COSINES": np.cos(angles),
         "NODE_SINES": np.sin(angles),
@@ -221,6 +241,10 @@ def _tables() -> str:
         "ROUGH": rough_weights(),
         "MIDDLE_STATE": MIDDLE_STATE,
         "MIDDLE_VALUE": MIDDLE_VALUE,
+        "RIM_COSINES": np.cos(around),
+        "RIM_SINES": np.sin(around),
+        "BOUNDARY_NODES": np.concatenate([nodes for nodes, _ in boundary]),
+        "BOUNDARY_WEIGHTS": np.concatenate([weights for _, weights in boundary]) / 2.0,
         "GAUSS_NODES": nodes,
         "GAUSS_WEIGHTS": weights,
     }
@@ -229,7 +253,11 @@ def _tables() -> str:
         f"static const double {name}[] = {braced(map(float, values))};"
         for name, values in numbers.items()
     ]
-    for name, table in (("A", coefficients), ("BEND", bend_weights())):
+    for name, table in (
+        ("A", coefficients),
+        ("BEND", bend_weights()),
+        ("BOUNDARY_REACH", reach),
+    ):
         rows = braced(braced(row) for row in table.tolist())
         lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
     lines.append(

@@ -66,9 +66,11 @@ def load() -> ctypes.CDLL:
         number,
     )
     library.cm_friction.argtypes, library.cm_friction.restype = (
-        (table, table, table, number, table),
+        (table, ctypes.c_double, table, table, number, table),
         None,
     )
+    library.cm_balance.argtypes, library.cm_balance.restype = (table, number, table), number
+    library.cm_press.argtypes, library.cm_press.restype = (table, ctypes.c_double, table), None
     return library
 
 

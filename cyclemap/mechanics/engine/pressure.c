@@ -248,35 +248,6 @@ static int is_beyond(const Pressure *pressure, const double *twist, const double
     return !(wx * wx + wy * wy <= size * size * fmax(first, second));
 }
 
-/* Wrench and Hessian. is_far: the regime of the last call and of this one, which changes a little
-   late, so that small steps do not cross from one rounding to another. */
-static void friction_at(const Pressure *pressure, const double *twist, const double *matrix,
-                        int *is_far, double *friction) {
-    Friction f;
-    double far = pressure->far * (*is_far ? 0.7 : 1.7);
-    *is_far = pressure->far < INFINITY && is_beyond(pressure, twist, matrix, far);
-    begin_sums(&f, twist, matrix, 0);
-    add_loads(&f, pressure, *is_far);
-    memcpy(friction, f.friction, sizeof f.friction);
-}
-
-/* Derivatives of the wrench by mu_a, mu_b and alpha, by columns; only_angle: by alpha alone. */
-static void friction_by_law(const Pressure *pressure, const double *twist, const double *m,
-                            int is_far, int only_angle, double *by_law) {
-    enum { HALF_AXES = 2, COUNT };
-    double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
-    const double toward[COUNT][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
-                                               {[M_YX] = m[M_YX] / mu_b, [M_YY] = m[M_YY] / mu_b},
-                                               {-m[M_XY], -m[M_YY], m[M_XX], m[M_YX]}};
-    Friction f;
-    memset(by_law, 0, WRENCH * COUNT * sizeof(double));
-    for (int k = only_angle ? HALF_AXES : 0; k < COUNT; ++k) {
-        begin_sums(&f, twist, m, toward[k]);
-        add_loads(&f, pressure, is_far);
-        memcpy(by_law + WRENCH * k, f.friction, WRENCH * sizeof(double));
-    }
-}
-
 /* Derivatives of the wrench by the shares of the pressure, at the expense of the even one; by
    columns, zero by those that the footprint cannot have. */
 static void friction_by_shares(const Pressure *pressure, const double *twist, const double *m,
@@ -295,18 +266,5 @@ static void friction_by_shares(const Pressure *pressure, const double *twist, co
         if (part == EVEN) memcpy(even, f.friction, sizeof even);
         else
             for (int k = 0; k < WRENCH; ++k) by[WRENCH * share + k] = f.friction[k] - even[k];
-    }
-}
-
-/* For drawings and tests: D, wrench and Hessian at each of `count` twists of the footprint's own
-   frame. */
-EXPORT void cm_friction(const Pressure *pressure, const double *matrix, const double *twists,
-                        int64_t count, double *values) {
-    for (int64_t i = 0; i < count; ++i) {
-        int is_far = 0;
-        const double *v = twists + TWIST_SIZE * i;
-        double *speed = values + (1 + FRICTION_SIZE) * i, *wrench = speed + 1;
-        friction_at(pressure, v, matrix, &is_far, wrench);
-        *speed = v[VX] * wrench[FORCE_X] + v[VY] * wrench[FORCE_Y] + v[OMEGA] * wrench[TORQUE];
     }
 }

@@ -123,15 +123,24 @@ MOMENT = Columns(
 )
 # What one Newton iteration reports: its correction, what is left of the balance, both forces.
 REPORT = Columns("REPORT", "", "correction residual normal_force tangential_force")
+# A quadratic c + l . x + x . Q x, and a shape's own: dome r^2 + bow_x (x^2 - y^2) + 2 bow_y x y.
+QUADRATIC = Columns("QUADRATIC_SIZE", "Q_", "level slope_x slope_y xx xy yy")
+SHAPE = Columns("SHAPE_SIZE", "SHAPE_", "dome bow_x bow_y")
+# A row of a foundation's balance: c and l at an orientation, and their slopes by it.
+BALANCE = Columns("BALANCE_COLUMNS", "BALANCE_", "lean:3 slope:3")
+# The shapes of a foundation that is pressed: the floor's and the plate's numbers.
+SHAPES = tuple(f"{owner}_{name}" for owner in ("floor", "plate") for name in SHAPE.names)
+# What a pressure can be differentiated by.
+OF_PRESSURE = (*SHARES, *SHAPES)
 # What a cycle can be differentiated by: angles in rad, lengths in extents, shares; the first is the
 # map's slope.
 PARAMETERS = (
     *("theta", "mu_a", "mu_b", "m0", "n0", "phi", "pusher_friction", "pusher_radius", "fraction"),
-    *("angle", "distance", "hitch_x", "hitch_y", *SHARES, "pin_friction_radius"),
+    *("angle", "distance", "hitch_x", "hitch_y", *OF_PRESSURE, "pin_friction_radius"),
 )
 # Sources of a motion's derivatives, in the order of `slopes`: its own parameters, then those of the
 # pressure.
-SOURCES = (*VARIED, *SHARES)
+SOURCES = (*VARIED, *OF_PRESSURE)
 
 # A task: which loop, from which pose. What comes of it: status (1: done), whether the rod left, the
 # push's travel, poses after it and at the end, the ring's way. Its outputs are differentiated.
@@ -150,13 +159,17 @@ RECORD = Columns(
 
 # load: of each part, which add to one but for those without a load of their own. middle: centroid
 # of the outline. far: centres of rotation farther than this (extents, velocity plane) are summed by
-# nodes. Part i has the rows first_row[i] to [i + 1], and alike its nodes.
+# nodes. Part i has the rows first_row[i] to [i + 1], and alike its nodes. Of a foundation that is
+# pressed, which has no parts: both shapes, the centre of mass off the middle, the outline's corners
+# off the middle or, without sides, its half axes, and `balance_table` of its c and l.
 PRESSURE = Structure(
     "Pressure",
     (
         *(("load", "number", len(PARTS)), ("middle", "number", 2), ("far", "number", 0)),
         *(("first_row", "whole", len(PARTS) + 1), ("first_node", "whole", len(PARTS) + 1)),
-        *(("rows", "table", 0), ("nodes", "table", 0)),
+        *(("rows", "table", 0), ("nodes", "table", 0), ("plate", "number", SHAPE.size)),
+        *(("floor", "number", SHAPE.size), ("centre", "number", 2), ("side_count", "whole", 0)),
+        *(("table_count", "whole", 0), ("outline", "table", 0), ("table", "table", 0)),
     ),
 )
 # What is pushed with what: shared by many strokes, and never written. pieces: of the contact curve,

@@ -41,12 +41,13 @@ enum { BY_STATE = STATE_SIZE * STATE_SIZE, RATES = STATE_SIZE * (STATE_SIZE + MO
 static double slopes_at(Stroke *r, const Motion *m, const double *state, const double *z, int all,
                         double *by, double *toward) {
     Begun b;
-    double friction[FRICTION_SIZE], by_law[3 * WRENCH], by_pressure[WRENCH * SHARES] = {0.0};
+    double friction[FRICTION_SIZE], by_law[3 * WRENCH], by_turning[WRENCH];
+    double by_pressure[WRENCH * OF_PRESSURE] = {0.0};
     double correction;
     begin(r, m, state, z, &b);
     friction_on(r, state, &b, &r->is_far, friction);
-    friction_varies(r, state, &b, all, by_law, by_pressure);
-    const double *given[] = {state, m->p, z, friction, by_law, by_pressure};
+    friction_varies(r, &b, all, by_law, by_turning, by_pressure);
+    const double *given[] = {state, m->p, z, friction, by_law, by_turning, by_pressure};
     double *results[] = {by, toward, &correction};
     (all ? ALL_SLOPES : SLOPES)[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
     return correction;

@@ -8,7 +8,7 @@ import signal
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -18,8 +18,9 @@ from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.contact_curve import ContactCurve, CornerPiece, SidePiece
 from cyclemap.mechanics.engine.library import load
-from cyclemap.mechanics.engine.parts import PARTS, Ground
+from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, Ground
 from cyclemap.mechanics.engine.schema import (
+    BALANCE,
     FRICTION,
     KINDS,
     LOOP,
@@ -27,15 +28,21 @@ from cyclemap.mechanics.engine.schema import (
     OUTPUT,
     PIECE,
     PRESSURE,
+    QUADRATIC,
     RECORD,
     RESULT,
     TASK,
     Status,
 )
 from cyclemap.mechanics.footprint import Footprint
+from cyclemap.mechanics.foundation import PressedFootprint
+from cyclemap.mechanics.outline import Polygon
 
 # What `cm_layout` of cycle.c must hold; a test compares them.
 LAYOUT = tuple(each.dtype.itemsize for each in (PRESSURE, OBJECT, LOOP))
+# Orientations over half a turn at which a foundation is balanced: in between, one correction by
+# Newton's method leaves nothing. From this far its friction is summed by nodes (extents).
+BALANCE_ROWS, FOUNDATION_FAR = 720, 3.0
 # Threads that the engine may use, instead of one a core.
 THREADS_VARIABLE = "CYCLEMAP_THREADS"
 # Tasks for which a thread is worth its start.
@@ -51,11 +58,15 @@ class PressureTables:
     record: np.void
     rows: Array
     nodes: Array
+    outline: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    balance: Array = field(default_factory=lambda: np.zeros((0, BALANCE.size)))
 
 
 @lru_cache(maxsize=256)
 def pressure_tables(footprint: Footprint) -> PressureTables:
-    """Return the tables of a footprint."""
+    """Return the tables of a footprint; InvalidInput where its load cannot be balanced."""
+    if isinstance(footprint, PressedFootprint):
+        return _foundation_tables(footprint)
     ground = Ground(footprint)
     rows, nodes = [part.rows(ground) for part in PARTS], [part.nodes(ground) for part in PARTS]
     record = np.zeros(1, PRESSURE.dtype)[0]
@@ -65,6 +76,34 @@ def pressure_tables(footprint: Footprint) -> PressureTables:
         np.cumsum([0, *map(len, tables)]) for tables in (rows, nodes)
     )
     return PressureTables(record, np.concatenate(rows), np.concatenate(nodes))
+
+
+def _foundation_tables(footprint: PressedFootprint) -> PressureTables:
+    """The tables of a foundation that is pressed: its outline, and how it balances over half a
+    turn.
+    """
+    size, outline = footprint.extent, footprint.outline
+    middle = np.array(outline.centroid) / size
+    record = np.zeros(1, PRESSURE.dtype)[0]
+    record["middle"], record["far"] = middle, FOUNDATION_FAR
+    record["plate"], record["floor"] = footprint.plate_bend, footprint.floor_bend
+    record["centre"] = np.array(footprint.centre) / size - middle
+    record["table_count"] = BALANCE_ROWS
+    if isinstance(outline, Polygon):
+        boundary = np.ascontiguousarray(outline.array / size - middle)
+        record["side_count"] = len(boundary)
+    else:
+        boundary = np.array([(outline.semi_x, outline.semi_y)]) / size
+    balance = np.zeros((BALANCE_ROWS, BALANCE.size))
+    none = np.zeros((0, ROW.size)), np.zeros((0, NODE.size))
+    tables = PressureTables(record, *none, boundary, balance)
+    packed = np.array(_addressed(tables))
+    if load().cm_balance(packed.ctypes.data, BALANCE_ROWS, _address(balance)) < BALANCE_ROWS:
+        raise InvalidInput(
+            f"the load under {footprint.plate} on {footprint.floor} cannot be balanced: take "
+            "smaller numbers for the shapes, or a simpler outline"
+        )
+    return tables
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,8 +209,19 @@ def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -
         room *= 4
 
 
-def friction_values(pressure: PressureTables, matrix: tuple[float, ...], twists: Array) -> Array:
-    """Return D, then FRICTION, (n, 10), at twists (n, 3); `matrix`: M by columns."""
+def pressure_at(pressure: PressureTables, theta: float) -> Array:
+    """Return the pressure of a foundation at an orientation, a row of QUADRATIC, in extents."""
+    packed, quadratic = np.array(_addressed(pressure)), np.zeros(QUADRATIC.size)
+    load().cm_press(packed.ctypes.data, theta, _address(quadratic))
+    return quadratic
+
+
+def friction_values(
+    pressure: PressureTables, theta: float, matrix: tuple[float, ...], twists: Array
+) -> Array:
+    """Return D, then FRICTION, (n, 10), at twists (n, 3) of an object that has turned by theta;
+    `matrix`: M by columns.
+    """
     packed, given, twists = (
         np.array(_addressed(pressure)),
         np.array(matrix),
@@ -179,7 +229,9 @@ def friction_values(pressure: PressureTables, matrix: tuple[float, ...], twists:
     )
     values = np.empty((len(twists), 1 + FRICTION.size))
     load().cm_friction(
-        packed.ctypes.data, _address(given), _address(twists), len(twists), _address(values)
+        packed.ctypes.data,
+        theta,
+        *(_address(given), _address(twists), len(twists), _address(values)),
     )
     return values
 
@@ -244,6 +296,7 @@ def _addressed(tables: PressureTables) -> np.void:
     """A copy of the record with the addresses of both tables."""
     record = tables.record.copy()
     record["rows"], record["nodes"] = _address(tables.rows), _address(tables.nodes)
+    record["outline"], record["table"] = _address(tables.outline), _address(tables.balance)
     return record
 
 

@@ -1,0 +1,568 @@
+/* The contact of a foundation that is pressed: p = max(0, P), P = c + l . x + q, q a quadratic of the
+   plate's shape and, turned against it, the floor's; c and l by the balance of load and moment.
+   Places x are off the outline's centroid, P is per unit load.
+
+   The contact, where P > 0, is bounded by stretches of the outline and by arcs of the conic P = 0,
+   which are rational curves. Friction is summed over this boundary in cones.c. */
+
+enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_PLACES = 64 };
+/* Integrals of monomials over the contact. */
+enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
+/* Load and moments: of 1, x and y. */
+enum { BALANCE_SIZE = 3 };
+/* Arcs are halved until this is the size of Bernstein's ellipse in which they are analytic. */
+static const double LEAST_REACH = 3.3;
+enum { MOST_HALVINGS = 6 };
+/* Arcs that turn by less than this are sides. */
+static const double STRAIGHT_TURN = 1e-13;
+/* An arc of an ellipse's rim goes no farther around it. */
+static const double WIDEST_RIM = 1.6;
+/* Conics that bend by less than this share of their slope are taken for straight where their arcs
+   are sorted. */
+static const double STRAIGHT = 1e-9;
+/* Loads, of one, that may lack: aimed at, and at the most. */
+static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
+enum { MOST_CORRECTIONS = 200 };
+
+/* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
+   meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1. */
+typedef struct { double a[2], b[2], c[2], weight; } Arc;
+
+/* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
+   the contact on the left. */
+typedef struct Pressed {
+    double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
+    double moments[MONOMIALS];
+    int is_known, has_slopes, digits, side_count, arc_count;
+    double sides[MOST_SIDES][EDGE_SIZE];
+    Arc arcs[MOST_ARCS];
+} Pressed;
+
+static inline double pressure_at(const double *p, double x, double y) {
+    return p[Q_LEVEL] + x * (p[Q_SLOPE_X] + p[Q_XX] * x + 2.0 * p[Q_XY] * y) + y * (p[Q_SLOPE_Y] + p[Q_YY] * y);
+}
+
+static inline void gradient_at(const double *p, double x, double y, double *to) {
+    to[0] = p[Q_SLOPE_X] + 2.0 * (p[Q_XX] * x + p[Q_XY] * y);
+    to[1] = p[Q_SLOPE_Y] + 2.0 * (p[Q_XY] * x + p[Q_YY] * y);
+}
+
+/* The quadratic of both shapes at an orientation, in the plate's frame: dome, and the parts of the bow. */
+static void shapes_at(const Pressure *pressure, double theta, double *shape) {
+    const double *plate = pressure->plate, *floor = pressure->floor;
+    double c = cos(2.0 * theta), s = sin(2.0 * theta);
+    shape[SHAPE_DOME] = plate[SHAPE_DOME] + floor[SHAPE_DOME];
+    shape[SHAPE_BOW_X] = plate[SHAPE_BOW_X] + c * floor[SHAPE_BOW_X] + s * floor[SHAPE_BOW_Y];
+    shape[SHAPE_BOW_Y] = plate[SHAPE_BOW_Y] + c * floor[SHAPE_BOW_Y] - s * floor[SHAPE_BOW_X];
+}
+
+static void bend(double *p, const double *shape) {
+    p[Q_XX] = shape[SHAPE_DOME] + shape[SHAPE_BOW_X];
+    p[Q_YY] = shape[SHAPE_DOME] - shape[SHAPE_BOW_X];
+    p[Q_XY] = shape[SHAPE_BOW_Y];
+}
+
+static int is_pressed(const Pressure *pressure) { return pressure->table_count > 0; }
+
+static int is_ellipse(const Pressure *pressure) { return pressure->side_count == 0; }
+
+static int is_inside(const Pressure *pressure, double x, double y) {
+    const double *at = pressure->outline;
+    if (is_ellipse(pressure)) return x * x / (at[0] * at[0]) + y * y / (at[1] * at[1]) < 1.0;
+    int inside = 0;
+    for (int64_t i = 0, j = pressure->side_count - 1; i < pressure->side_count; j = i++) {
+        const double *a = at + 2 * i, *b = at + 2 * j;
+        if ((a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+    }
+    return inside;
+}
+
+/* Places where the boundary of the contact changes, in the conic's frame. */
+typedef struct { double u, v, at[2]; } Place;
+typedef struct { int count; Place of[MOST_PLACES]; } Places;
+
+static void note(Places *places, double x, double y) {
+    if (places->count < MOST_PLACES) {
+        places->of[places->count].at[0] = x;
+        places->of[places->count].at[1] = y;
+    }
+    ++places->count;
+}
+
+/* Stretches of one side on which P > 0, and the places where it changes its sign. */
+static void cut_side(Pressed *at, const double *a, const double *b, Places *crossings) {
+    const double *p = at->pressure;
+    double ex = b[0] - a[0], ey = b[1] - a[1], first = pressure_at(p, a[0], a[1]), last = pressure_at(p, b[0], b[1]);
+    double square = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
+    double linear = last - first - square, root[2] = {-1.0, -1.0}, stops[4] = {0.0};
+    double inside = linear * linear - 4.0 * square * first;
+    if (inside > 0.0) {
+        double down = -0.5 * (linear + copysign(sqrt(inside), linear));
+        if (down != 0.0) root[0] = first / down;
+        if (square != 0.0) root[1] = down / square;
+    }
+    int count = 1;
+    for (int k = 0; k < 2; ++k) {
+        double t = root[(root[0] <= root[1]) ? k : 1 - k];
+        if (!(t > 0.0 && t < 1.0)) continue;
+        note(crossings, a[0] + t * ex, a[1] + t * ey);
+        stops[count++] = t;
+    }
+    stops[count++] = 1.0;
+    for (int k = 0; k + 1 < count; ++k) {
+        double middle = 0.5 * (stops[k] + stops[k + 1]);
+        if (!(first + middle * (linear + middle * square) > 0.0)) continue;
+        if (at->side_count < MOST_SIDES) {
+            double *to = at->sides[at->side_count];
+            to[0] = a[0] + stops[k] * ex;
+            to[1] = a[1] + stops[k] * ey;
+            to[2] = a[0] + stops[k + 1] * ex;
+            to[3] = a[1] + stops[k + 1] * ey;
+        }
+        ++at->side_count;
+    }
+}
+
+/* P along an ellipse's rim, (x, y) on the unit circle, and how it changes with the angle. */
+typedef struct { double level, slope[2], bend[3]; } Around;
+
+static Around around_of(const double *p, const double *semi) {
+    double a = semi[0], b = semi[1];
+    return (Around){p[Q_LEVEL], {a * p[Q_SLOPE_X], b * p[Q_SLOPE_Y]}, {a * a * p[Q_XX], a * b * p[Q_XY], b * b * p[Q_YY]}};
+}
+
+static double around_at(const Around *e, double x, double y) {
+    return e->level + x * (e->slope[0] + e->bend[0] * x + 2.0 * e->bend[1] * y) + y * (e->slope[1] + e->bend[2] * y);
+}
+
+static double around_slope(const Around *e, double x, double y) {
+    return x * e->slope[1] - y * e->slope[0] + 2.0 * (e->bend[1] * (x * x - y * y) + (e->bend[2] - e->bend[0]) * x * y);
+}
+
+/* Where a function along the rim changes its sign between two angles. */
+static double zero_between(double (*of)(const Around *, double, double), const Around *e, double low, double high) {
+    double at_low = of(e, cos(low), sin(low)), at_high = of(e, cos(high), sin(high));
+    for (int i = 0; i < 100 && high - low > 4e-16 * fmax(1.0, fabs(high)); ++i) {
+        double t = low - at_low * (high - low) / (at_high - at_low);
+        if (i % 3 == 2 || !(low < t && t < high)) t = 0.5 * (low + high);
+        double value = of(e, cos(t), sin(t));
+        if (value == 0.0) return t;
+        if ((value > 0.0) == (at_low > 0.0)) {
+            low = t;
+            at_low = value;
+        } else {
+            high = t;
+            at_high = value;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+static void put_arc(Pressed *at, const Arc *arc) {
+    if (at->arc_count < MOST_ARCS) at->arcs[at->arc_count] = *arc;
+    ++at->arc_count;
+}
+
+/* Arcs of an ellipse's rim. */
+static void add_rims(Pressed *at, const double *semi, double from, double to) {
+    int count = (int)ceil((to - from) / WIDEST_RIM);
+    double half = 0.5 * (to - from) / count, weight = cos(half);
+    for (int i = 0; i < count; ++i) {
+        double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
+        Arc arc = {{semi[0] * cos(low), semi[1] * sin(low)}, {semi[0] * cos(high), semi[1] * sin(high)},
+                   {semi[0] * cos(middle) / weight, semi[1] * sin(middle) / weight}, weight};
+        put_arc(at, &arc);
+    }
+}
+
+/* The same of an ellipse's rim: P along it has four zeros at most, and one between neighbours of its extremes. */
+static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
+    enum { MOST = 2 * RIM_SAMPLES };
+    Around e = around_of(at->pressure, semi);
+    double stops[MOST + 1], values[MOST + 1], cuts[9], step = 2.0 * M_PI / RIM_SAMPLES;
+    double slope = around_slope(&e, 1.0, 0.0);
+    int count = 0, cut_count = 0;
+    for (int i = 0; i < RIM_SAMPLES; ++i) {
+        double x = RIM_COSINES[i + 1], y = RIM_SINES[i + 1], next = around_slope(&e, x, y);
+        stops[count] = i * step;
+        values[count++] = around_at(&e, RIM_COSINES[i], RIM_SINES[i]);
+        if ((slope > 0.0) != (next > 0.0)) {
+            double t = zero_between(around_slope, &e, i * step, (i + 1) * step);
+            stops[count] = t;
+            values[count++] = around_at(&e, cos(t), sin(t));
+        }
+        slope = next;
+    }
+    stops[count] = 2.0 * M_PI;
+    values[count] = values[0];
+    for (int i = 0; i < count; ++i)
+        if ((values[i] > 0.0) != (values[i + 1] > 0.0) && cut_count < 8)
+            cuts[cut_count++] = zero_between(around_at, &e, stops[i], stops[i + 1]);
+    if (!cut_count) {
+        if (values[0] > 0.0) add_rims(at, semi, 0.0, 2.0 * M_PI);
+        return;
+    }
+    cuts[cut_count] = cuts[0] + 2.0 * M_PI;
+    for (int i = 0; i < cut_count; ++i) {
+        note(crossings, semi[0] * cos(cuts[i]), semi[1] * sin(cuts[i]));
+        double middle = 0.5 * (cuts[i] + cuts[i + 1]);
+        if (around_at(&e, cos(middle), sin(middle)) > 0.0) add_rims(at, semi, cuts[i], cuts[i + 1]);
+    }
+}
+
+/* Places (x, y) on an arc, and their derivatives by s. */
+static ALWAYS_INLINE void arc_at(const Arc *arc, const Lanes *s, Lanes *x, Lanes *y, Lanes *by_x, Lanes *by_y) {
+    Lanes t = 1.0 - *s, first = t * t, middle = 2.0 * arc->weight * *s * t, last = *s * *s;
+    Lanes down = 1.0 / (first + middle + last), by_middle = 2.0 * arc->weight * (t - *s), by_down = by_middle + 2.0 * (*s - t);
+    *x = (first * arc->a[0] + middle * arc->c[0] + last * arc->b[0]) * down;
+    *y = (first * arc->a[1] + middle * arc->c[1] + last * arc->b[1]) * down;
+    *by_x = (2.0 * (*s * arc->b[0] - t * arc->a[0]) + by_middle * arc->c[0] - by_down * *x) * down;
+    *by_y = (2.0 * (*s * arc->b[1] - t * arc->a[1]) + by_middle * arc->c[1] - by_down * *y) * down;
+}
+
+/* The size of Bernstein's ellipse about -1 to 1 through x + i y. */
+static double reach_of(double x, double y) {
+    double q = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
+    return q + sqrt(fmax(q * q - 1.0, 0.0));
+}
+
+/* Where an arc has its poles, in 2 s - 1: on the imaginary axis, of a hyperbola on the real one; and their reach. */
+static double pole_of(double weight) { return sqrt((1.0 + weight) / fmax(fabs(1.0 - weight), 1e-300)); }
+
+static double arc_reach(double weight) {
+    return weight < 1.0 ? reach_of(0.0, pole_of(weight)) : reach_of(pole_of(weight), 0.0);
+}
+
+/* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle, is that of the arc. */
+static void add_arc(Pressed *at, const double *a, const double *b) {
+    const double *p = at->pressure, ex = b[0] - a[0], ey = b[1] - a[1];
+    double first[2], last[2];
+    gradient_at(p, a[0], a[1], first);
+    gradient_at(p, b[0], b[1], last);
+    double turn = first[0] * last[1] - first[1] * last[0], size = size_of(first[0], first[1]) * size_of(last[0], last[1]);
+    if (!(fabs(turn) > STRAIGHT_TURN * size)) {
+        if (at->side_count < MOST_SIDES) {
+            const double side[] = {a[0], a[1], b[0], b[1]};
+            memcpy(at->sides[at->side_count], side, sizeof side);
+        }
+        ++at->side_count;
+        return;
+    }
+    /* c = a + along (-first_y, first_x): off both gradients */
+    double along = (last[0] * ex + last[1] * ey) / turn, cx = -along * first[1], cy = along * first[0];
+    double bulge = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
+    double bent = p[Q_XX] * cx * cx + 2.0 * p[Q_XY] * cx * cy + p[Q_YY] * cy * cy;
+    Arc whole = {{a[0], a[1]}, {b[0], b[1]}, {a[0] + cx, a[1] + cy}, sqrt(fabs(0.25 * bulge / bent))};
+    /* halves meet at s = 1/2 until poles are far */
+    int halvings = 0;
+    double weight = whole.weight;
+    for (; halvings < 6 && arc_reach(weight) < LEAST_REACH; ++halvings) weight = sqrt(0.5 * (1.0 + weight));
+    for (int i = 0; i < 1 << halvings; ++i) {
+        Arc arc = whole;
+        for (int level = halvings - 1; level >= 0; --level) {
+            double share = 1.0 / (1.0 + arc.weight);
+            Arc half = arc;
+            int later = i >> level & 1;
+            for (int k = 0; k < 2; ++k) {
+                double before = share * (arc.a[k] + arc.weight * arc.c[k]), after = share * (arc.b[k] + arc.weight * arc.c[k]);
+                *(later ? half.a + k : half.b + k) = 0.5 * (before + after);
+                half.c[k] = later ? after : before;
+            }
+            half.weight = sqrt(0.5 * (1.0 + arc.weight));
+            arc = half;
+        }
+        put_arc(at, &arc);
+    }
+}
+
+static void sort_places(Places *places) {
+    for (int i = 1; i < places->count; ++i) {
+        Place moved = places->of[i];
+        int j = i;
+        for (; j > 0 && places->of[j - 1].v > moved.v; --j) places->of[j] = places->of[j - 1];
+        places->of[j] = moved;
+    }
+}
+
+/* The conic in a frame of its own: P = a u^2 + b u + d v^2 + e v + c, |a| >= |d|, so that u is a root along v. */
+typedef struct { double cosine, sine, a, b, c, d, e; } Conic;
+
+static Conic conic_of(const double *p) {
+    double half = 0.5 * (p[Q_XX] - p[Q_YY]), mean = 0.5 * (p[Q_XX] + p[Q_YY]);
+    double spread = size_of(half, p[Q_XY]), slope = size_of(p[Q_SLOPE_X], p[Q_SLOPE_Y]);
+    double cosine = 1.0, sine = 0.0;
+    if (fabs(mean) + spread < STRAIGHT * slope) {
+        cosine = p[Q_SLOPE_X] / slope;
+        sine = p[Q_SLOPE_Y] / slope;
+    } else if (spread > 0.0) {
+        /* the axis of the larger bend: half the angle of (x, y) */
+        double x = copysign(1.0, mean) * half / spread, y = copysign(1.0, mean) * p[Q_XY] / spread;
+        double larger = sqrt(0.5 * (1.0 + fabs(x))), smaller = 0.5 * y / larger;
+        cosine = x >= 0.0 ? larger : smaller;
+        sine = x >= 0.0 ? smaller : larger;
+    }
+    Conic k = {.cosine = cosine, .sine = sine, .c = p[Q_LEVEL]};
+    k.a = mean < 0.0 ? mean - spread : mean + spread;
+    k.d = mean < 0.0 ? mean + spread : mean - spread;
+    k.b = k.cosine * p[Q_SLOPE_X] + k.sine * p[Q_SLOPE_Y];
+    k.e = k.cosine * p[Q_SLOPE_Y] - k.sine * p[Q_SLOPE_X];
+    return k;
+}
+
+/* Where the conic is at v, on the branch of a sign; NAN where it is not. */
+static double branch_at(const Conic *k, double v, double sign) {
+    double rest = k->c + v * (k->e + v * k->d), inside = k->b * k->b - 4.0 * k->a * rest;
+    if (inside < 0.0) return NAN;
+    double root = sign * sqrt(inside);
+    if (root * k->b > 0.0) return -2.0 * rest / (root + k->b);
+    return (root - k->b) / (2.0 * k->a);
+}
+
+/* The arcs of P = 0 inside the outline, from its crossings of it and from where it turns. */
+static void cut_inside(const Pressure *pressure, Pressed *at, const Places *crossings) {
+    Conic k = conic_of(at->pressure);
+    double turns[2], square = -4.0 * k.a * k.d, linear = -4.0 * k.a * k.e, level = k.b * k.b - 4.0 * k.a * k.c;
+    double inside = linear * linear - 4.0 * square * level;
+    int turn_count = 0;
+    if (inside > 0.0) {
+        double down = -0.5 * (linear + copysign(sqrt(inside), linear));
+        if (down != 0.0) turns[turn_count++] = level / down;
+        if (square != 0.0) turns[turn_count++] = down / square;
+    }
+    for (int side = -1; side <= 1; side += 2) {
+        Places branch = {0};
+        for (int i = 0; i < crossings->count; ++i) {
+            const double *place = crossings->of[i].at;
+            double u = k.cosine * place[0] + k.sine * place[1], v = k.cosine * place[1] - k.sine * place[0];
+            if ((2.0 * k.a * u + k.b > 0.0) != (side > 0)) continue;
+            branch.of[branch.count++] = (Place){u, v, {place[0], place[1]}};
+        }
+        for (int i = 0; i < turn_count + 1; ++i) {
+            double v = i < turn_count ? turns[i] : -k.e / (2.0 * k.d);
+            double u = i < turn_count ? -k.b / (2.0 * k.a) : branch_at(&k, v, side);
+            double x = k.cosine * u - k.sine * v, y = k.sine * u + k.cosine * v;
+            if (!isfinite(x) || !isfinite(y) || branch.count == MOST_PLACES || !is_inside(pressure, x, y)) continue;
+            branch.of[branch.count++] = (Place){u, v, {x, y}};
+        }
+        sort_places(&branch);
+        for (int i = 0; i + 1 < branch.count; ++i) {
+            const Place *low = branch.of + i, *high = low + 1;
+            double v = 0.5 * (low->v + high->v), u = branch_at(&k, v, side), gradient[2];
+            double x = k.cosine * u - k.sine * v, y = k.sine * u + k.cosine * v;
+            if (!(high->v > low->v) || !isfinite(u) || !is_inside(pressure, x, y)) continue;
+            gradient_at(at->pressure, x, y, gradient);
+            double ex = high->at[0] - low->at[0], ey = high->at[1] - low->at[1];
+            int forward = ex * gradient[1] - ey * gradient[0] > 0.0;
+            add_arc(at, forward ? low->at : high->at, forward ? high->at : low->at);
+        }
+    }
+}
+
+/* The boundary of the contact under the pressure at hand; whether there was room for it. */
+static int cut(const Pressure *pressure, Pressed *at) {
+    Places crossings = {0};
+    const double *outline = pressure->outline;
+    at->side_count = at->arc_count = 0;
+    if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
+    for (int64_t i = 0; i < pressure->side_count; ++i)
+        cut_side(at, outline + 2 * i, outline + 2 * (i + 1 < pressure->side_count ? i + 1 : 0), &crossings);
+    if (crossings.count > MOST_PLACES - 4) return 0;
+    cut_inside(pressure, at, &crossings);
+    return at->side_count <= MOST_SIDES && at->arc_count <= MOST_ARCS;
+}
+
+/* Integrals of monomials over cones from the centroid: cross x^i y^j / (i + j + 2). */
+static ALWAYS_INLINE void add_monomials(Lanes *m, const Lanes *x, const Lanes *y, const Lanes *cross) {
+    Lanes second = *cross * (1.0 / 2.0), third = *cross * (1.0 / 3.0), fourth = *cross * (1.0 / 4.0), fifth = *cross * (1.0 / 5.0);
+    Lanes xx = *x * *x, xy = *x * *y, yy = *y * *y, fx = fifth * *x, fy = fifth * *y;
+    m[OF_1] += second;
+    m[OF_X] += third * *x;
+    m[OF_Y] += third * *y;
+    m[OF_XX] += fourth * xx;
+    m[OF_XY] += fourth * xy;
+    m[OF_YY] += fourth * yy;
+    m[OF_XXX] += fx * xx;
+    m[OF_XXY] += fy * xx;
+    m[OF_XYY] += fx * yy;
+    m[OF_YYY] += fy * yy;
+}
+
+/* The first of Gauss's rules that serves an ellipse of this size. */
+static int boundary_rule(double reach, int digits) {
+    int rule = 0;
+    while (rule < BOUNDARY_RULE_COUNT && reach < BOUNDARY_REACH[digits][rule]) ++rule;
+    return rule;
+}
+
+static void arc_moments(const Arc *arc, Lanes *m) {
+    int rule = boundary_rule(arc_reach(arc->weight), DIGIT_CLASSES - 1);
+    if (rule == BOUNDARY_RULE_COUNT) --rule;
+    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
+        Lanes node, weight, x, y, by_x, by_y;
+        memcpy(&node, BOUNDARY_NODES + j, sizeof node);
+        memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
+        Lanes s = 0.5 * (1.0 + node);
+        arc_at(arc, &s, &x, &y, &by_x, &by_y);
+        Lanes cross = weight * (x * by_y - y * by_x);
+        add_monomials(m, &x, &y, &cross);
+    }
+}
+
+/* Of the contact. Along a side Gauss's rule of four nodes is exact, two at a time. */
+static void take_moments(Pressed *at) {
+    static const double outer = 0.8611363115940526, inner = 0.3399810435848563, outer_weight = 0.3478548451374538;
+    const Lanes places[] = {{0.5 - 0.5 * outer, 0.5 + 0.5 * outer}, {0.5 - 0.5 * inner, 0.5 + 0.5 * inner}};
+    const double weights[] = {0.5 * outer_weight, 0.5 - 0.5 * outer_weight};
+    Lanes m[MONOMIALS] = {{0.0}};
+    for (int i = 0; i < at->side_count; ++i) {
+        const double *side = at->sides[i];
+        double ex = side[2] - side[0], ey = side[3] - side[1], cross = side[0] * ey - side[1] * ex;
+        for (int j = 0; j < 2; ++j) {
+            Lanes x = side[0] + places[j] * ex, y = side[1] + places[j] * ey, share = (Lanes){0.0} + weights[j] * cross;
+            add_monomials(m, &x, &y, &share);
+        }
+    }
+    for (int i = 0; i < at->arc_count; ++i) arc_moments(at->arcs + i, m);
+    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = m[k][0] + m[k][1];
+}
+
+/* Load and moments (3) of a quadratic over the contact. */
+static void loads_of(const double *m, const double *p, double *to) {
+    double xy = 2.0 * p[Q_XY];
+    to[0] = p[Q_LEVEL] * m[OF_1] + p[Q_SLOPE_X] * m[OF_X] + p[Q_SLOPE_Y] * m[OF_Y] + p[Q_XX] * m[OF_XX] + xy * m[OF_XY] + p[Q_YY] * m[OF_YY];
+    to[1] = p[Q_LEVEL] * m[OF_X] + p[Q_SLOPE_X] * m[OF_XX] + p[Q_SLOPE_Y] * m[OF_XY] + p[Q_XX] * m[OF_XXX] + xy * m[OF_XXY] + p[Q_YY] * m[OF_XYY];
+    to[2] = p[Q_LEVEL] * m[OF_Y] + p[Q_SLOPE_X] * m[OF_XY] + p[Q_SLOPE_Y] * m[OF_YY] + p[Q_XX] * m[OF_XXY] + xy * m[OF_XYY] + p[Q_YY] * m[OF_YYY];
+}
+
+/* c and l (3) whose load and moments over the contact are these. */
+static void lean_for(const double *m, const double *load, double *to) {
+    /* symmetric: rows 1, x, y */
+    double a = m[OF_XX] * m[OF_YY] - m[OF_XY] * m[OF_XY], b = m[OF_Y] * m[OF_XY] - m[OF_X] * m[OF_YY], c = m[OF_X] * m[OF_XY] - m[OF_Y] * m[OF_XX];
+    double det = m[OF_1] * a + m[OF_X] * b + m[OF_Y] * c;
+    double d = m[OF_1] * m[OF_YY] - m[OF_Y] * m[OF_Y], e = m[OF_X] * m[OF_Y] - m[OF_1] * m[OF_XY], f = m[OF_1] * m[OF_XX] - m[OF_X] * m[OF_X];
+    to[0] = (a * load[0] + b * load[1] + c * load[2]) / det;
+    to[1] = (b * load[0] + d * load[1] + e * load[2]) / det;
+    to[2] = (c * load[0] + e * load[1] + f * load[2]) / det;
+}
+
+/* What load and moments lack (3), and c and l that would make it up. */
+static double lacking(const Pressure *pressure, const Pressed *at, double *step) {
+    double load[3];
+    loads_of(at->moments, at->pressure, load);
+    for (int k = 0; k < 3; ++k) load[k] = (k ? pressure->centre[k - 1] : 1.0) - load[k];
+    lean_for(at->moments, load, step);
+    return fmax(fabs(load[0]), fmax(fabs(load[1]), fabs(load[2])));
+}
+
+/* Balances load and moments from the c and l at hand by Newton's method on a convex function; whether that came to an end. */
+static int balance(const Pressure *pressure, Pressed *at) {
+    double step[3], tried[3], left;
+    if (!cut(pressure, at)) return 0;
+    take_moments(at);
+    left = lacking(pressure, at, step);
+    for (int i = 0; i < 200 && left > BALANCED; ++i) {
+        double share = 1.0, now = INFINITY;
+        memcpy(tried, at->pressure, sizeof tried);
+        for (; share > 1e-6; share *= 0.5) {
+            double next[3];
+            for (int k = 0; k < 3; ++k) at->pressure[k] = tried[k] + share * step[k];
+            if (!cut(pressure, at)) return 0;
+            take_moments(at);
+            now = at->moments[OF_1] > 0.0 ? lacking(pressure, at, next) : INFINITY;
+            if (now < left || now <= BALANCED) {
+                memcpy(step, next, sizeof next);
+                break;
+            }
+        }
+        if (!(now < left)) return left < 1e-11;
+        left = now;
+    }
+    return left <= 1e-11;
+}
+
+/* Derivatives of c and l by what the shape's numbers add to P. */
+static void slopes_of(Pressed *at) {
+    for (int k = 0; k < SHAPE_SIZE; ++k) {
+        double shape[SHAPE_SIZE] = {0.0}, load[3], *to = at->by_shape[k];
+        shape[k] = 1.0;
+        memset(to, 0, 3 * sizeof(double));
+        bend(to, shape);
+        loads_of(at->moments, to, load);
+        for (int j = 0; j < 3; ++j) load[j] = -load[j];
+        lean_for(at->moments, load, to);
+    }
+    at->has_slopes = 1;
+}
+
+/* How the shapes' numbers change by theta. */
+static void shapes_by_theta(const Pressure *pressure, const Pressed *at, double *by) {
+    const double *plate = pressure->plate;
+    double bow = 0.5 * (at->pressure[Q_XX] - at->pressure[Q_YY]) - plate[SHAPE_BOW_X];
+    double twist = at->pressure[Q_XY] - plate[SHAPE_BOW_Y];
+    by[SHAPE_DOME] = 0.0;
+    by[SHAPE_BOW_X] = 2.0 * twist;
+    by[SHAPE_BOW_Y] = -2.0 * bow;
+}
+
+/* A table over half a turn of c, l and their derivatives by theta (6 columns); returns the rows that could be found. */
+EXPORT int64_t cm_balance(const Pressure *pressure, int64_t count, double *table) {
+    Pressed at;
+    double shape[SHAPE_SIZE], by[SHAPE_SIZE], whole[MONOMIALS];
+    at.pressure[Q_LEVEL] = 1.0;
+    for (int k = Q_SLOPE_X; k < QUADRATIC_SIZE; ++k) at.pressure[k] = 0.0;
+    if (!cut(pressure, &at)) return 0;
+    take_moments(&at);
+    memcpy(whole, at.moments, sizeof whole);
+    for (int64_t i = 0; i < count; ++i) {
+        double *row = table + BALANCE_COLUMNS * i;
+        shapes_at(pressure, M_PI * (double)i / (double)count, shape);
+        if (i == 0) {
+            /* as if all of the outline were in contact */
+            double lack[3], *p = at.pressure;
+            memset(p, 0, sizeof at.pressure);
+            bend(p, shape);
+            loads_of(whole, p, lack);
+            for (int k = 0; k < 3; ++k) lack[k] = (k ? pressure->centre[k - 1] : 1.0) - lack[k];
+            lean_for(whole, lack, p);
+        }
+        bend(at.pressure, shape);
+        if (!balance(pressure, &at)) return i;
+        slopes_of(&at);
+        shapes_by_theta(pressure, &at, by);
+        for (int k = 0; k < 3; ++k) {
+            row[BALANCE_LEAN + k] = at.pressure[k];
+            row[BALANCE_SLOPE + k] = by[SHAPE_BOW_X] * at.by_shape[SHAPE_BOW_X][k] + by[SHAPE_BOW_Y] * at.by_shape[SHAPE_BOW_Y][k];
+        }
+    }
+    return count;
+}
+
+/* The pressure at an orientation, from the table, corrected by one step of Newton's method. */
+static void press(const Pressure *pressure, double theta, Pressed *at) {
+    if (at->is_known && at->theta == theta) return;
+    double shape[SHAPE_SIZE], step[3], count = (double)pressure->table_count, h = M_PI / count;
+    double turns = theta / M_PI, place = (turns - floor(turns)) * count;
+    int64_t index = (int64_t)place < pressure->table_count ? (int64_t)place : pressure->table_count - 1;
+    const double *a = pressure->table + 6 * index, *b = pressure->table + 6 * ((index + 1) % pressure->table_count);
+    double s = place - (double)index, t = 1.0 - s;
+    for (int k = 0; k < 3; ++k)
+        at->pressure[k] = t * t * ((1.0 + 2.0 * s) * a[k] + s * h * a[3 + k]) + s * s * ((1.0 + 2.0 * t) * b[k] - t * h * b[3 + k]);
+    shapes_at(pressure, theta, shape);
+    bend(at->pressure, shape);
+    cut(pressure, at);
+    take_moments(at);
+    lacking(pressure, at, step);
+    /* the boundary stays: P vanishes on it, so that it counts by squares */
+    for (int k = 0; k < 3; ++k) at->pressure[k] += step[k];
+    at->theta = theta;
+    at->is_known = 1;
+    at->has_slopes = 0;
+}
+
+/* For drawings and tests: the pressure at an orientation. */
+EXPORT void cm_press(const Pressure *pressure, double theta, double *quadratic) {
+    Pressed at;
+    at.is_known = 0;
+    press(pressure, theta, &at);
+    memcpy(quadratic, at.pressure, sizeof at.pressure);
+}

@@ -1,0 +1,129 @@
+"""Foundations that are pressed: plates and floors that are not flat, and how a plate rests on one."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import finite_number, point
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.outline import Outline, Polygon
+
+# Shapes are told in mean pressures at this distance from the centroid, m.
+SHAPE_RADIUS = 0.05
+# A foundation that is this stiff is rigid: three points or more carry all.
+_STIFFEST = 1000.0
+# Outlines of more corners are curves that want an ellipse, or fewer corners.
+_MOST_SIDES = 200
+
+
+@dataclass(frozen=True)
+class SurfaceShape:
+    """How far the underside of a plate, or a floor, is from flat, as the pressure that it adds.
+
+    q = dome r^2 + bow r^2 cos 2(angle - axis), r and angle those of a place seen from the
+    object's centroid, r in 50 mm, q in mean pressures: where the plate presses harder, or the
+    floor is higher. A trough along x, high along y, q = 20 y^2, is dome 10, bow 10, axis 90
+    degrees.
+
+    Parameters
+    ----------
+    dome : bends alike in all directions; positive: rests on the rim.
+    bow : bends one way along the axis and the other across it.
+    axis : direction of the bow, rad: of a plate in its own frame, of a floor in the world's.
+        Shapes whose axis differs by half a turn are the same.
+
+    Raises InvalidInput for what is not finite, or beyond 1000, where a foundation is rigid.
+
+    >>> SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2).bend.round(9).tolist()
+    [10.0, -10.0, 0.0]
+    """
+
+    dome: float = 0.0
+    bow: float = 0.0
+    axis: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("dome", "bow", "axis"):
+            object.__setattr__(self, name, finite_number(name, getattr(self, name)))
+        if max(abs(self.dome), abs(self.bow)) > _STIFFEST:
+            raise InvalidInput(
+                f"a dome of {self.dome:g} and a bow of {self.bow:g} mean pressures at 50 mm: beyond "
+                f"{_STIFFEST:g} a foundation is rigid; choose less"
+            )
+
+    @classmethod
+    def of_bend(cls, dome: float, bow_x: float, bow_y: float) -> "SurfaceShape":
+        """Return the shape q = dome r^2 + bow_x (x^2 - y^2) + 2 bow_y x y, its axis in [0, pi).
+
+        >>> shape = SurfaceShape.of_bend(0.0, 0.0, 2.0)
+        >>> shape.bow, round(math.degrees(shape.axis), 9)
+        (2.0, 45.0)
+        """
+        return cls(dome, math.hypot(bow_x, bow_y), 0.5 * math.atan2(bow_y, bow_x) % math.pi)
+
+    @property
+    def bend(self) -> Array:
+        """dome, bow cos 2 axis and bow sin 2 axis, (3,)."""
+        c, s = math.cos(2.0 * self.axis), math.sin(2.0 * self.axis)
+        return np.array((self.dome, self.bow * c, self.bow * s))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether there is no shape at all."""
+        return self.dome == 0.0 and self.bow == 0.0
+
+    def scaled(self, factor: float) -> "SurfaceShape":
+        """Return the shape of a foundation that is stiffer by a factor, or of another mean pressure."""
+        return SurfaceShape(factor * self.dome, factor * self.bow, self.axis)
+
+
+FLAT = SurfaceShape()
+
+
+@dataclass(frozen=True)
+class PressedFootprint:
+    """Pressure of a plate that is not flat on a floor that is not flat, which give way alike.
+
+    The weight rests where both come nearest: p = max(0, c + l . x + q_plate + q_floor), x off the
+    outline's centroid, q_plate fixed to the plate, q_floor to the world, against which the plate
+    turns; c and l by the balance of load and moment (a foundation that is pressed; Winkler 1867).
+
+    Parameters
+    ----------
+    outline : what may touch the ground.
+    plate, floor : their shapes, in mean pressures.
+    centre : centre of mass, m; None: the centroid. InvalidInput outside the outline's convex hull,
+        where the object would tip.
+
+    From them: extent, m, of the outline; plate_bend, floor_bend (3,), the shapes as the engine has
+    them, per unit load and lengths in extents: bend_unit times theirs.
+
+    >>> square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
+    >>> footprint = PressedFootprint(square, floor=SurfaceShape(10.0, 10.0, math.pi / 2))
+    >>> footprint.extent  # doctest: +ELLIPSIS
+    0.0636...
+    """
+
+    outline: Outline
+    plate: SurfaceShape = FLAT
+    floor: SurfaceShape = FLAT
+    centre: tuple[float, float] = None  # type: ignore[assignment]  # filled in below
+    extent: float = field(init=False, repr=False, compare=False)
+    bend_unit: float = field(init=False, repr=False, compare=False)
+    plate_bend: Array = field(init=False, repr=False, compare=False)
+    floor_bend: Array = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        outline = self.outline
+        centre = outline.centroid if self.centre is None else point("centre of mass", self.centre)
+        if isinstance(outline, Polygon) and outline.sides > _MOST_SIDES:
+            raise InvalidInput(
+                f"an outline of {outline.sides} corners: shapes of plate and floor take "
+                f"{_MOST_SIDES} at most; simplify it, or leave plate and floor flat"
+            )
+        size = outline.extent
+        unit = (size / SHAPE_RADIUS) ** 2 * size**2 / outline.area
+        vars(self).update(centre=centre, extent=size, bend_unit=unit)
+        vars(self).update(plate_bend=unit * self.plate.bend, floor_bend=unit * self.floor.bend)
