@@ -7,6 +7,11 @@
 
 /* Panels of arcs that are shorter than this, in 2 s - 1, are summed by the least rule. */
 static const double SHORTEST_PANEL = 1e-12;
+/* Of rough, usual and fine motions: centres of rotation farther than this (extents, velocity plane)
+   are summed place by place, by these rules along a cone and along a side: from there the sums in
+   closed form cancel to 1e-9, 1e-10 and 1e-11. */
+static const double FOUNDATION_FAR[] = {30.0, 10.0, 5.0};
+static const int ALONG_CONE[] = {0, 1, 2}, ALONG_SIDE[] = {1, 2, 4};
 /* Motions up to these tolerances are fine ones, usual ones. */
 static const double FINE = 2e-11, USUAL = 1e-7;
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
@@ -57,13 +62,14 @@ static Cones cones_of(Friction *f, const double *quadratic, int is_far, int digi
 
 /* From afar: places along the cone from the centroid to a place on the boundary. */
 static inline void add_far_cone(Cones *c, double end_x, double end_y, double cross) {
-    for (int j = 0; j < PANEL_ORDER; j += LANES) {
+    int rule = ALONG_CONE[c->digits];
+    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
         Lanes x, y, share;
         for (int k = 0; k < LANES; ++k) {
-            double s = 0.5 * (1.0 + GAUSS_NODES[j + k]);
+            double s = 0.5 * (1.0 + BOUNDARY_NODES[j + k]);
             x[k] = s * end_x;
             y[k] = s * end_y;
-            share[k] = 0.5 * GAUSS_WEIGHTS[j + k] * s * cross * pressure_at(c->quadratic, x[k], y[k]);
+            share[k] = s * cross * BOUNDARY_WEIGHTS[j + k] * pressure_at(c->quadratic, x[k], y[k]);
         }
         if (!c->f->toward) add_places(&c->frame, &x, &y, &share, &c->places);
         for (int k = 0; k < LANES && c->f->toward; ++k) {
@@ -195,8 +201,9 @@ static void add_side(Cones *c, const double *side) {
     if (c->is_far) {
         double ex = side[EDGE_END_X] - side[EDGE_START_X], ey = side[EDGE_END_Y] - side[EDGE_START_Y];
         double cross = side[EDGE_START_X] * ey - side[EDGE_START_Y] * ex;
-        for (int j = 0; j < PANEL_ORDER; ++j) {
-            double s = 0.5 * (1.0 + GAUSS_NODES[j]), share = 0.5 * GAUSS_WEIGHTS[j] * cross;
+        int rule = ALONG_SIDE[c->digits];
+        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
+            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), share = BOUNDARY_WEIGHTS[j] * cross;
             add_far_cone(c, side[EDGE_START_X] + s * ex, side[EDGE_START_Y] + s * ey, share);
         }
     } else if (toward) {

@@ -5,8 +5,8 @@
    late, so that small steps do not cross from one rounding to another. */
 static void friction_at(const Pressure *pressure, const Pressed *pressed, const double *twist,
                         const double *m, int *is_far, double *friction) {
-    double far = pressure->far * (*is_far ? 0.7 : 1.7);
-    *is_far = pressure->far < INFINITY && is_beyond(pressure, twist, m, far);
+    double from = is_pressed(pressure) ? FOUNDATION_FAR[pressed->digits] : pressure->far;
+    *is_far = from < INFINITY && is_beyond(pressure, twist, m, from * (*is_far ? 0.7 : 1.7));
     if (is_pressed(pressure)) {
         sum_pressed(pressure, pressed, pressed->pressure, twist, m, 0, *is_far, friction);
         return;

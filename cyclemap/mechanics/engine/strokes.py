@@ -41,8 +41,8 @@ from cyclemap.mechanics.outline import Polygon
 # What `cm_layout` of cycle.c must hold; a test compares them.
 LAYOUT = tuple(each.dtype.itemsize for each in (PRESSURE, OBJECT, LOOP))
 # Orientations over half a turn at which a foundation is balanced: in between, one correction by
-# Newton's method leaves nothing. From this far its friction is summed by nodes (extents).
-BALANCE_ROWS, FOUNDATION_FAR = 720, 3.0
+# Newton's method leaves nothing.
+BALANCE_ROWS = 720
 # Threads that the engine may use, instead of one a core.
 THREADS_VARIABLE = "CYCLEMAP_THREADS"
 # Tasks for which a thread is worth its start.
@@ -85,7 +85,7 @@ def _foundation_tables(footprint: PressedFootprint) -> PressureTables:
     size, outline = footprint.extent, footprint.outline
     middle = np.array(outline.centroid) / size
     record = np.zeros(1, PRESSURE.dtype)[0]
-    record["middle"], record["far"] = middle, FOUNDATION_FAR
+    record["middle"], record["far"] = middle, np.inf
     record["plate"], record["floor"] = footprint.plate_bend, footprint.floor_bend
     record["centre"] = np.array(footprint.centre) / size - middle
     record["table_count"] = BALANCE_ROWS
