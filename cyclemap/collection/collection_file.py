@@ -22,6 +22,7 @@ from cyclemap.collection.setting_table import (
     NOISE_KEY,
     OWN,
     SETTINGS,
+    SHAPES,
     SHARES,
     WORD,
     Settings,
@@ -32,7 +33,15 @@ from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
 from cyclemap.maps import WrappedNormal
-from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, parse_footprint
+from cyclemap.mechanics import (
+    Ellipse,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    PressedFootprint,
+    Slider,
+    parse_footprint,
+)
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import key_place, read_text, read_toml
@@ -41,7 +50,7 @@ from cyclemap.text_files import key_place, read_text, read_toml
 _ROUNDING = 1e-12
 _LARGEST_GRID = 64
 # The tables of a file, and the groups of settings that stand in each.
-_TABLES = {"object": ("Object", "Pressure"), "push": ("Push", "Rod"), "reset": ("Ring",)}
+_TABLES = {"object": ("Object", "Pressure", "Shape"), "push": ("Push", "Rod"), "reset": ("Ring",)}
 # Settings that are read off a loop one by one; its outline, name, pressure and surface are not.
 _READ_OFF = [
     one
@@ -128,6 +137,9 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
         return {}
     if found is None:
         return {"footprint": "exact"}
+    if isinstance(found, PressedFootprint):
+        shapes = {key: SETTINGS[key] for key in SHAPES}
+        return {key: _written(setting.unit, setting.of(loop)) for key, setting in shapes.items()}
     if isinstance(found, PatchFootprint):
         return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
     names = ["corners"] if isinstance(loop.slider.outline, Polygon) else []
@@ -143,6 +155,10 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
 def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PointFootprint) and isinstance(other, PointFootprint):
         return _same(one.positions, other.positions) and _same(one.weights, other.weights)
+    if isinstance(one, PressedFootprint) and isinstance(other, PressedFootprint):
+        bends = np.concatenate([footprint.plate_bend for footprint in (one, other)])
+        floors = np.concatenate([footprint.floor_bend for footprint in (one, other)])
+        return _same(bends[:3], bends[3:]) and _same(floors[:3], floors[3:]) and _same(one.centre, other.centre)
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
         alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))

@@ -90,7 +90,8 @@ _TABLE = (
     Setting("semi_x_mm", "Object", "slider.outline", "or an ellipse: its half axis along x", default="-"),
     Setting("semi_y_mm", "Object", "slider.outline", "and along y", default="-"),
     Setting("object_name", "Object", "slider.name", "what the data call it", WORD, "the shape's"),
-    Setting("mass_kg", "Object", "slider.mass", "its mass; it scales forces alone, never the motion", told=OWN),
+    Setting("mass_kg", "Object", "slider.mass", "its mass; it scales forces, and the motion only where "
+            "the surface or the object has a shape: a heavier one rests more evenly", told=OWN),
     Setting("centre_x_mm", "Object", "slider.centre_of_mass.0", "its centre of mass", default="the centroid"),
     Setting("centre_y_mm", "Object", "slider.centre_of_mass.1", "its centre of mass", default="the centroid"),
     Setting("hitch_x_mm", "Ring", "slider.hitch.0", "the ring that drags the object back, in the object's frame: "
@@ -119,6 +120,19 @@ _TABLE = (
             default="0", label="load on the rim", low=0.0, high=1.0, step=0.01),
     Setting("corner_share", "Pressure", "footprint.corner_share", "share of the weight on the corners",
             default="0", label="load on corners", low=0.0, high=1.0, step=0.01),
+    Setting("floor_dome", "Shape", "footprint.floor.dome", "how far the floor is from flat, in mean pressures at "
+            "50 mm from the object's centre: alike in all directions, positive: high around the object",
+            default="the material's", label="floor dome", low=-20.0, high=20.0, step=0.1),
+    Setting("floor_bow", "Shape", "footprint.floor.bow", "and one way along its axis, the other across: a trough is "
+            "dome and bow alike", default="the material's", label="floor bow", low=0.0, high=20.0, step=0.1),
+    Setting("floor_bow_deg", "Shape", "footprint.floor.axis", "direction of the floor's bow in the robot's frame",
+            default="the material's", label="bow's axis", low=0.0, high=180.0, step=1.0),
+    Setting("plate_dome", "Shape", "footprint.plate.dome", "the same of the object's underside, positive: rests on its "
+            "rim", default="the material's", label="plate dome", low=-20.0, high=20.0, step=0.1),
+    Setting("plate_warp", "Shape", "footprint.plate.bow", "how the object is warped, one way along an axis, the other "
+            "across", default="the material's", label="plate warp", low=0.0, high=20.0, step=0.1),
+    Setting("plate_warp_deg", "Shape", "footprint.plate.axis", "direction of the warp in the object's frame",
+            default="the material's", label="warp's axis", low=0.0, high=180.0, step=1.0),
     Setting("side", "Push", "push.side", "side that is pushed, counter-clockwise from 0",
             told=ALWAYS, label="side", low=0.0, high=0.0, step=1.0),
     Setting("fraction", "Push", "push.fraction", "where on it, from its first corner (0) to its second (1)",
@@ -136,7 +150,8 @@ _TABLE = (
 )  # fmt: skip
 
 SETTINGS: Mapping[str, Setting] = {one.key: one for one in _TABLE}
-SHARES = tuple(key for key, one in SETTINGS.items() if one.place.startswith("footprint."))
+SHARES = tuple(key for key, one in SETTINGS.items() if one.place.startswith("footprint.") and one.group == "Pressure")
+SHAPES = tuple(key for key, one in SETTINGS.items() if one.group == "Shape")
 
 
 def setting_named(key: str) -> Setting:

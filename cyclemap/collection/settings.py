@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_number
-from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHARES, Settings
+from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES, Settings
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics import (
     Ellipse,
@@ -16,9 +16,11 @@ from cyclemap.mechanics import (
     PatchFootprint,
     PointFootprint,
     Polygon,
+    PressedFootprint,
     Slider,
     parse_footprint,
 )
+from cyclemap.mechanics.foundation import FLAT
 from cyclemap.mechanics.outline import Outline
 from cyclemap.text_files import file_stem
 
@@ -86,7 +88,9 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
         friction = replace(loop.material.friction, **_numbers(settings, "material.friction"))
     material = stated = loop.material
     if friction != stated.friction:
-        material = Material(f"{stated.name} (changed)", friction, stated.provenance, plates=stated.plates)
+        material = Material(
+            f"{stated.name} (changed)", friction, stated.provenance, plates=stated.plates, floor=stated.floor
+        )
     parts: dict[str, Any] = {"slider": slider, "material": material}
     for part in ("pusher", "push", "reset"):
         with _blaming(settings, part):
@@ -102,16 +106,47 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
     """Return what is set; `exact` leans as the centre of mass asks; a new outline has the pressure its plate has."""
     same = slider.outline == loop.slider.outline
     found = loop.footprint if same else plate_footprint(loop.material, slider)
+    if same and isinstance(found, PressedFootprint):
+        # Shapes are the surface's and the object's pressures: a heavier object has less of them in mean pressures.
+        lighter = mean_pressure(loop.slider) / mean_pressure(slider)
+        centre = slider.centre_of_mass
+        found = PressedFootprint(slider.outline, found.plate.scaled(lighter), found.floor.scaled(lighter), centre)
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
+    shapes = [key for key in SHAPES if key in settings]
     given = [key for key in SHARES if key in settings]
+    if shapes:
+        return _shaped(found, slider, settings, shapes[0], given)
     if not given:
         return found
+    if isinstance(found, PressedFootprint):
+        raise InvalidInput(f"{given[0]} beside shapes of floor or object: both tell how it rests; leave {given[0]} out")
     if isinstance(found, PointFootprint):
         raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
     before = PatchFootprint(slider.outline, centre=slider.centre_of_mass) if found is None else found
     return replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
+
+
+def _shaped(
+    found: Footprint | None, slider: Slider, settings: Settings, key: str, shares: list[str]
+) -> Footprint | None:
+    """The footprint with the shapes that are set; none where all is flat. key : one of those set, for a refusal."""
+    if isinstance(found, PointFootprint):
+        raise InvalidInput(f"{key} takes an outline, not support points: set footprint=exact, or leave {key} out")
+    if shares or (isinstance(found, PatchFootprint) and found.even_share != 1.0):
+        raise InvalidInput(f"{key} beside shares of the load: both tell how the object rests; set the shares to 0")
+    plate, floor = (found.plate, found.floor) if isinstance(found, PressedFootprint) else (FLAT, FLAT)
+    plate = replace(plate, **_numbers(settings, "footprint.plate"))
+    floor = replace(floor, **_numbers(settings, "footprint.floor"))
+    if plate.is_flat and floor.is_flat:
+        return None
+    return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass)
+
+
+def mean_pressure(slider: Slider) -> float:
+    """Return an object's weight over the area of its outline, kPa."""
+    return 1e-3 * slider.weight / slider.outline.area
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
@@ -182,11 +217,27 @@ def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop
 
 
 def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
-    """Return how an object presses on a material that knows its plate by the object's name; None where it does not."""
+    """Return how an object rests on a material: by its plate, which goes by the object's name, and the floor's shape.
+
+    None where neither is known.
+    """
     known = material.pressure_of(slider.name)
+    shape = FLAT if known is None else known.shape
+    if not (shape.is_flat and material.floor.is_flat):
+        per_mean = 1.0 / mean_pressure(slider)
+        plate, floor = shape.scaled(per_mean), material.floor.scaled(per_mean)
+        return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass)
     if known is None:
         return None
     return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
+
+
+def on_surface(loop: "CollectionLoop", material: Material) -> "CollectionLoop":
+    """Return the loop on a surface that has changed, its pressure along with it unless it was set otherwise."""
+    footprint = loop.footprint
+    if footprint == plate_footprint(loop.material, loop.slider):
+        footprint = plate_footprint(material, loop.slider)
+    return replace(loop, material=material, footprint=footprint)
 
 
 def sampled_loop(loop: "CollectionLoop", number: int) -> "CollectionLoop":

@@ -8,6 +8,7 @@ import numpy as np
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import on_surface
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, DriftingMap
 
@@ -27,7 +28,14 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     material = loop.material
     if material.wear is None:
         return loop
-    return replace(loop, material=replace(material, friction=material.friction_after(cycles), wear=None))
+    worn = replace(
+        material,
+        friction=material.friction_after(cycles),
+        floor=material.floor_after(cycles),
+        wear=None,
+        posterior=None,
+    )
+    return on_surface(loop, worn)
 
 
 def drifting_map(

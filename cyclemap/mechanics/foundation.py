@@ -1,4 +1,4 @@
-"""Foundations that are pressed: plates and floors that are not flat, and how a plate rests on one."""
+"""Foundations that are pressed: plates and floors that are not flat, one resting on the other."""
 
 import math
 from dataclasses import dataclass, field
@@ -49,8 +49,8 @@ class SurfaceShape:
             object.__setattr__(self, name, finite_number(name, getattr(self, name)))
         if max(abs(self.dome), abs(self.bow)) > _STIFFEST:
             raise InvalidInput(
-                f"a dome of {self.dome:g} and a bow of {self.bow:g} mean pressures at 50 mm: beyond "
-                f"{_STIFFEST:g} a foundation is rigid; choose less"
+                f"a dome of {self.dome:g} and a bow of {self.bow:g} at 50 mm: beyond {_STIFFEST:g} "
+                "a foundation is rigid; choose less"
             )
 
     @classmethod
@@ -75,7 +75,7 @@ class SurfaceShape:
         return self.dome == 0.0 and self.bow == 0.0
 
     def scaled(self, factor: float) -> "SurfaceShape":
-        """Return the shape of a foundation that is stiffer by a factor, or of another mean pressure."""
+        """Return the shape in units that are smaller by a factor."""
         return SurfaceShape(factor * self.dome, factor * self.bow, self.axis)
 
 

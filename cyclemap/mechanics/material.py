@@ -12,12 +12,19 @@ import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
+from cyclemap.mechanics.foundation import FLAT, SurfaceShape
 from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 
 # Names of a material file, with what `FoundWith` calls them and the SI units of one of theirs.
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
+# Shapes, kPa at 50 mm.
+FLOOR_SHAPE_KEYS = ("floor_dome_kpa", "floor_bow_kpa", "floor_bow_deg")
+PLATE_SHAPE_KEYS = ("plate_dome_kpa", "plate_warp_kpa", "plate_warp_deg")
+SURFACE_KEYS = (*FRICTION_KEYS, *FLOOR_SHAPE_KEYS)
+PLATE_KEYS = (*SHARE_KEYS, *PLATE_SHAPE_KEYS)
+SPREAD_KEYS = ("dome_kpa", "bow_x_kpa", "bow_y_kpa")
 FOUND_KEYS = {
     "pusher_mu": ("pusher_friction", 1.0),
     "pin_friction_mm": ("pin_friction_radius", 1e-3),
@@ -45,18 +52,19 @@ class FoundWith:
 
 @dataclass(frozen=True)
 class PlatePressure:
-    """How a plate's weight rests on this surface: shares of the load, the rest even
-    (`PatchFootprint`).
+    """How a plate rests: shares of its load, or the shape of its underside.
 
-    plate : the name of the `Slider`. inner_share, rim_share, corner_share : from 0 to 1, together
-        at most 1
-    (InvalidInput). They belong to the pair of plate and surface.
+    plate : the name of the `Slider`. inner_share, rim_share, corner_share : of the load, the rest
+        even (`PatchFootprint`), from 0 to 1, together at most 1 (InvalidInput); they belong to the
+        pair of plate and surface. shape : in kPa at 50 mm (`SurfaceShape`), the plate's on every
+        surface; it takes the place of shares (InvalidInput for both).
     """
 
     plate: str
     inner_share: float = 0.0
     rim_share: float = 0.0
     corner_share: float = 0.0
+    shape: SurfaceShape = FLAT
 
     def __post_init__(self) -> None:
         if not self.plate or printable(self.plate) != self.plate:
@@ -68,16 +76,54 @@ class PlatePressure:
                 self, key, finite_number(f"{key} of {self.plate}", getattr(self, key))
             )
         shares = self.shares
+        given = ", ".join(f"{key} {value:g}" for key, value in shares.items())
         if min(shares.values()) < 0.0 or sum(shares.values()) > 1.0 + 1e-12:
-            told = ", ".join(f"{key} {value:g}" for key, value in shares.items())
             raise InvalidInput(
-                f"{told} of {self.plate}: shares must not be negative, and together be at most 1"
+                f"{given} of {self.plate}: shares must not be negative, and together be at most 1"
+            )
+        if any(shares.values()) and not self.shape.is_flat:
+            raise InvalidInput(
+                f"{given} of {self.plate} beside a shape: both tell how it rests; keep one"
             )
 
     @property
     def shares(self) -> dict[str, float]:
         """The three shares by name."""
         return {key: getattr(self, key) for key in SHARE_KEYS}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """What a material file holds of the plate, but for what is nought."""
+        shape = shape_numbers(self.shape, PLATE_SHAPE_KEYS)
+        return {key: value for key, value in (self.shares | shape).items() if value}
+
+    @classmethod
+    def of_numbers(cls, plate: str, numbers: Mapping[str, float]) -> "PlatePressure":
+        """Return what a material file holds of a plate."""
+        shares = {key: numbers[key] for key in SHARE_KEYS if key in numbers}
+        return cls(plate, **shares, shape=shape_of_numbers(numbers, PLATE_SHAPE_KEYS))
+
+
+@dataclass(frozen=True)
+class FloorSession:
+    """A floor's shape, kPa at 50 mm, in one session of measurements, by the session's name."""
+
+    name: str
+    shape: SurfaceShape
+
+
+def shape_numbers(shape: SurfaceShape, keys: tuple[str, ...]) -> dict[str, float]:
+    """Return dome, bow and axis (degrees) of a shape under three keys of a file."""
+    return dict(zip(keys, (shape.dome, shape.bow, math.degrees(shape.axis)), strict=True))
+
+
+def shape_of_numbers(
+    numbers: Mapping[str, float], keys: tuple[str, ...], before: SurfaceShape = FLAT
+) -> SurfaceShape:
+    """Return the shape that three keys of a file tell; what they do not is as `before`."""
+    known = shape_numbers(before, keys) | {key: numbers[key] for key in keys if key in numbers}
+    dome, bow, axis_deg = (finite_number(key, known[key]) for key in keys)
+    return SurfaceShape(dome, bow, math.radians(axis_deg))
 
 
 @dataclass(frozen=True)
@@ -112,13 +158,11 @@ class MaterialPosterior:
 
     Samples, not a covariance: the angle of an ellipse is undetermined where it is nearly a circle.
 
-    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg; the same of
-    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg; the same of
-        the worn friction with `worn.` before them; pusher_mu and what else [found_with] holds;
-        shares of a plate as `rect1.rim_share`.
+    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg, the floor's
+        shape; the same of the worn surface with `worn.` before them; pusher_mu and what else
+        [found_with] holds; numbers of a plate as `rect1.rim_share`, `rect1.plate_dome_kpa`.
     samples : (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name
-        that is unknown or
-    given twice, rows of another length, and numbers that are not finite.
+        that is unknown or given twice, rows of another length, and numbers that are not finite.
 
     >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).samples[1]
     (0.26, 0.3)
@@ -131,11 +175,11 @@ class MaterialPosterior:
         names = tuple(self.parameters)
         for name in names:
             plain = name.removeprefix("worn.")
-            if plain in FRICTION_KEYS or name in FOUND_KEYS or _plate_share(name):
+            if plain in SURFACE_KEYS or name in FOUND_KEYS or _of_plate(name):
                 continue
-            known = (*FRICTION_KEYS, *(f"worn.{key}" for key in FRICTION_KEYS), *FOUND_KEYS)
+            known = (*SURFACE_KEYS, *(f"worn.{key}" for key in SURFACE_KEYS), *FOUND_KEYS)
             raise unknown_name(
-                "posterior parameter", name, (*known, *(f"rect1.{key}" for key in SHARE_KEYS))
+                "posterior parameter", name, (*known, *(f"rect1.{key}" for key in PLATE_KEYS))
             )
         twice = [name for name in names if names.count(name) > 1]
         if twice or not names:
@@ -165,14 +209,15 @@ class Wear:
     (`worn_friction`).
 
     course : ((cycles, share), ...), how much of that way is gone after some cycles before the last,
-    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last,
         both increasing, shares in [0, 1], straight between; without it the pace is even. Raises
-        InvalidInput for another course.
+        InvalidInput for another course. floor : the worn floor's shape, kPa at 50 mm, to which the
+        fresh one's dome and bow go straight, too; None: it stays.
     """
 
     friction: EllipseFriction
     cycles: float
     course: tuple[tuple[float, float], ...] = ()
+    floor: SurfaceShape | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cycles", positive_number("cycles of wear", self.cycles))
@@ -202,8 +247,7 @@ class CycleNoise:
     over θ0, and memory.
 
     log_sigma : c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad.
-        correlation : in [0, 1), of
-    successive cycles.
+    correlation : in [0, 1), of successive cycles.
     """
 
     log_sigma: tuple[float, ...]
@@ -226,15 +270,23 @@ class CycleNoise:
 class Material:
     """A surface: its name, its point friction against the slider, and the source of the numbers.
 
-    misfit : how far the data lie from what the numbers predict, in words. inferred : whether from
-    misfit : how far the data lie from what the numbers predict, in words. inferred : whether from
-        how objects moved rather than from forces. found_with : what was identified along with the
-        friction. wear : how it changes; None: not.
-    plates : how plates press on it, those not named evenly. frames : shifts of the frames of the
-        data behind it.
-    posterior : what else the data allow; noise : of a cycle, as measured; None where that is not
-        known. InvalidInput
-    where a sample of the posterior is no material.
+    misfit : how far the data lie from what the numbers predict, in words.
+    inferred : whether from how objects moved rather than from forces.
+    found_with : what was identified along with the friction.
+    wear : how it changes; None: not.
+    plates : how plates rest on it; those not named are flat, and on a flat floor press evenly.
+    posterior : what else the data allow; None where that is not known.
+    noise : of a cycle, as measured; None where that is not known.
+    frames : shifts of the frames of the data behind it.
+    floor : the floor's shape, kPa at 50 mm, its axis in the world's frame. A pressure a square
+        metre carries over from object to object; what it is in mean pressures depends on the
+        object's weight per area.
+    sessions : the floor's shape as it was in single sessions; `floor` is their mean.
+    session_spread : standard deviations of dome, bow cos 2 axis and bow sin 2 axis from session to
+        session, kPa; a new session is off by so much.
+
+    Raises InvalidInput where a sample of the posterior is no material, or where plates have shares
+    on a floor that has a shape.
     """
 
     name: str
@@ -248,10 +300,25 @@ class Material:
     posterior: MaterialPosterior | None = None
     noise: CycleNoise | None = None
     frames: tuple[FrameShift, ...] = ()
+    floor: SurfaceShape = FLAT
+    sessions: tuple[FloorSession, ...] = ()
+    session_spread: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "plates", tuple(self.plates))
-        object.__setattr__(self, "frames", tuple(self.frames))
+        for name in ("plates", "frames", "sessions"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        spread = finite_array("session spread", self.session_spread, last=3, ndim=1)
+        if np.any(spread < 0.0):
+            raise InvalidInput(f"session spread {spread.tolist()}: deviations must not be negative")
+        object.__setattr__(self, "session_spread", tuple(spread.tolist()))
+        worn = FLAT if self.wear is None or self.wear.floor is None else self.wear.floor
+        if not (self.floor.is_flat and worn.is_flat):
+            shared = [plate.plate for plate in self.plates if any(plate.shares.values())]
+            if shared:
+                raise InvalidInput(
+                    f"{shared[0]} has shares of its load on a floor that has a shape: both tell "
+                    "how it rests; keep one"
+                )
         if (
             not re.search(r"[^\W_]", self.name)
             or printable(self.name) != self.name
@@ -283,20 +350,20 @@ class Material:
             self._check_posterior(self.posterior)
 
     def _check_posterior(self, posterior: MaterialPosterior) -> None:
-        fresh = {name for name in posterior.parameters if name in FRICTION_KEYS}
+        fresh = {name for name in posterior.parameters if name in SURFACE_KEYS}
         worn = {
             name.removeprefix("worn.") for name in posterior.parameters if name.startswith("worn.")
         }
         if worn != (fresh if self.wear is not None else set()):
             raise InvalidInput(
-                "a posterior names the friction of the worn surface (worn.mu_a, ...) as it does "
-                "that of the fresh one, and only where the surface wears"
+                "a posterior names the numbers of the worn surface (worn.mu_a, ...) as it does "
+                "those of the fresh one, and only where the surface wears"
             )
         for name in posterior.parameters:
-            share = _plate_share(name)
-            if share is not None and self.pressure_of(share[0]) is None:
+            plate = _of_plate(name)
+            if plate and self.pressure_of(plate) is None:
                 raise InvalidInput(
-                    f"a posterior of {name} needs a table [plates.{share[0]}] with what is best"
+                    f"a posterior of {name} needs a table [plates.{plate}] with what is best"
                 )
             if name in FOUND_KEYS and getattr(self.found_with, FOUND_KEYS[name][0]) is None:
                 raise InvalidInput(
@@ -321,19 +388,25 @@ class Material:
             FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS
         }
         plates = []
-        for one in self.plates:
-            shares = {
-                key: row[f"{one.plate}.{key}"] for key in SHARE_KEYS if f"{one.plate}.{key}" in row
-            }
-            plates.append(replace(one, **shares))  # type: ignore[arg-type]
+        for plate in self.plates:
+            before = f"{plate.plate}."
+            own = {key: row[before + key] for key in PLATE_KEYS if before + key in row}
+            plates.append(PlatePressure.of_numbers(plate.plate, plate.numbers | own))
+        wear = self.wear
+        if wear is not None:
+            law = _changed(wear.friction, row, "worn.")
+            worn = {key: row[f"worn.{key}"] for key in FLOOR_SHAPE_KEYS if f"worn.{key}" in row}
+            shape = wear.floor or self.floor
+            floor = shape_of_numbers(worn, FLOOR_SHAPE_KEYS, shape) if worn else wear.floor
+            wear = replace(wear, friction=law, floor=floor)
         return replace(
             self,
             friction=_changed(self.friction, row),
             found_with=replace(self.found_with, **found),
-            wear=self.wear
-            and replace(self.wear, friction=_changed(self.wear.friction, row, "worn.")),
+            wear=wear,
             plates=tuple(plates),
             posterior=None,
+            floor=shape_of_numbers(row, FLOOR_SHAPE_KEYS, self.floor),
         )
 
     def pressure_of(self, plate: str) -> PlatePressure | None:
@@ -355,13 +428,19 @@ class Material:
             return self.friction
         return worn_friction(self.friction, self.wear.friction, self.wear.share(cycles))
 
+    def floor_after(self, cycles: float) -> SurfaceShape:
+        """Return the floor's shape after a number of cycles, kPa at 50 mm."""
+        if self.wear is None or self.wear.floor is None:
+            return self.floor
+        share = self.wear.share(cycles)
+        bend = (1.0 - share) * self.floor.bend + share * self.wear.floor.bend
+        return SurfaceShape.of_bend(*bend.tolist())
 
-def _plate_share(name: str) -> tuple[str, str] | None:
-    """Plate and share of a posterior's parameter such as `rect1.rim_share`; None where it is no
-    such.
-    """
-    plate, _, share = name.rpartition(".")
-    return (plate, share) if plate and plate != "worn" and share in SHARE_KEYS else None
+
+def _of_plate(name: str) -> str:
+    """Plate of a posterior's parameter such as `rect1.rim_share`; empty where it is of none."""
+    plate, _, key = name.rpartition(".")
+    return plate if plate != "worn" and key in PLATE_KEYS else ""
 
 
 def _changed(law: EllipseFriction, row: Mapping[str, float], before: str = "") -> EllipseFriction:

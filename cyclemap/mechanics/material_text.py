@@ -12,16 +12,21 @@ from cyclemap.checks import finite_number
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.material import (
+    FLOOR_SHAPE_KEYS,
     FOUND_KEYS,
     FRICTION_KEYS,
-    SHARE_KEYS,
+    PLATE_KEYS,
+    SPREAD_KEYS,
     CycleNoise,
+    FloorSession,
     FoundWith,
     FrameShift,
     Material,
     MaterialPosterior,
     PlatePressure,
     Wear,
+    shape_numbers,
+    shape_of_numbers,
 )
 from cyclemap.text_files import read_toml
 
@@ -37,7 +42,7 @@ FILE_KEYS = (
         "plates",
         "posterior",
     ),
-    *("cycle_noise", "frames"),
+    *("cycle_noise", "frames", "floor_shape", "sessions", "session_spread"),
 )
 _DRAWN_TABLES = {
     "posterior": ("parameters", "samples"),
@@ -67,7 +72,10 @@ def load_material(name: str | Path) -> Material:
     may hold `name`, `provenance`, `misfit`, `inferred` (true or false), and tables: [worn] with
     `cycles`, the friction after them and a `course` of pairs [cycles, share] (`Wear`); [found_with]
     with pusher_mu, pin_friction_mm (`FoundWith`); [plates.NAME] with inner_share, rim_share,
-    corner_share (`PlatePressure`); [frames.NAME] with shift_x_mm, shift_y_mm (`FrameShift`);
+    corner_share, or plate_dome_kpa, plate_warp_kpa, plate_warp_deg (`PlatePressure`); [floor_shape]
+    with floor_dome_kpa, floor_bow_kpa, floor_bow_deg, and [sessions.NAME] with the same
+    (`FloorSession`); [session_spread] with dome_kpa, bow_x_kpa, bow_y_kpa; [frames.NAME] with
+    shift_x_mm, shift_y_mm (`FrameShift`);
     [posterior] with `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with
     `log_sigma` and `correlation` (`CycleNoise`). Tables of object, push, reset, noise and strategy
     are passed over: `CollectionLoop.from_file` reads those. Raises InvalidInput for an unknown
@@ -100,7 +108,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
     if not isinstance(inferred, bool):
         raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
     for key in _table(table, "found_with"):
-        if key in SHARE_KEYS:
+        if key in PLATE_KEYS:
             raise InvalidInput(
                 f"{key} belongs to a plate: move it to a table [plates.NAME], such as "
                 "[plates.rect1]"
@@ -110,7 +118,15 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * finite_number(key, found[key]) for key in found
     }
     plates, frames = _table(table, "plates"), _table(table, "frames")
-    pressures = {plate: _table(plates, plate, SHARE_KEYS, f"plates.{plate}") for plate in plates}
+    pressures = {plate: _table(plates, plate, PLATE_KEYS, f"plates.{plate}") for plate in plates}
+    floor = _table(table, "floor_shape", FLOOR_SHAPE_KEYS)
+    spread = _table(table, "session_spread", SPREAD_KEYS)
+    sessions = []
+    for session in _table(table, "sessions"):
+        told_shape = _table(
+            _table(table, "sessions"), session, FLOOR_SHAPE_KEYS, f"sessions.{session}"
+        )
+        sessions.append(FloorSession(session, shape_of_numbers(told_shape, FLOOR_SHAPE_KEYS)))
     shifts = {
         plate: _table(frames, plate, ("shift_x_mm", "shift_y_mm"), f"frames.{plate}")
         for plate in frames
@@ -132,7 +148,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
             "radians"
         )
     # What these are made of is checked where they are made.
-    pressed = tuple(PlatePressure(plate, **shares) for plate, shares in pressures.items())  # type: ignore[arg-type]
+    pressed = tuple(PlatePressure.of_numbers(*entry) for entry in pressures.items())
     told = MaterialPosterior(tuple(names), tuple(samples)) if posterior else None  # type: ignore[arg-type]
     return Material(
         str(table.get("name", name)),
@@ -155,6 +171,9 @@ def _material_of(table: dict[str, object], name: str) -> Material:
             )
             for plate, shift in shifts.items()
         ),
+        floor=shape_of_numbers(floor, FLOOR_SHAPE_KEYS),
+        sessions=tuple(sessions),
+        session_spread=tuple(finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS),
     )
 
 
@@ -200,7 +219,9 @@ def _wear_of(worn: dict[str, object]) -> Wear | None:
             "one it has"
         )
     cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
-    return Wear(_friction_of(worn), cycles, course)  # type: ignore[arg-type]
+    shape = {key: worn.pop(key) for key in FLOOR_SHAPE_KEYS if key in worn}
+    floor = shape_of_numbers(shape, FLOOR_SHAPE_KEYS) if shape else None
+    return Wear(_friction_of(worn), cycles, course, floor)  # type: ignore[arg-type]
 
 
 def material_toml(material: Material) -> str:
@@ -226,6 +247,15 @@ def material_toml(material: Material) -> str:
             **_numbers(material.wear.friction),
             **course,
         }
+        if material.wear.floor is not None:
+            tables["worn"] |= shape_numbers(material.wear.floor, FLOOR_SHAPE_KEYS)
+    if not material.floor.is_flat:
+        tables["floor_shape"] = {**shape_numbers(material.floor, FLOOR_SHAPE_KEYS)}
+    for session in material.sessions:
+        key = _key(session.name)
+        tables[f"sessions.{key}"] = {**shape_numbers(session.shape, FLOOR_SHAPE_KEYS)}
+    if any(material.session_spread):
+        tables["session_spread"] = {**dict(zip(SPREAD_KEYS, material.session_spread, strict=True))}
     found = {
         key: (getattr(material.found_with, field), unit)
         for key, (field, unit) in FOUND_KEYS.items()
@@ -234,17 +264,13 @@ def material_toml(material: Material) -> str:
         key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None
     }
     tables |= {"found_with": told} if told else {}
-    plates = [
-        ("plates", one.plate, {key: x for key, x in one.shares.items() if x})
-        for one in material.plates
-    ]
+    plates = [("plates", one.plate, one.numbers) for one in material.plates]
     plates += [
         ("frames", one.plate, {"shift_x_mm": 1e3 * one.x, "shift_y_mm": 1e3 * one.y})
         for one in material.frames
     ]
     for kind, plate, numbers in plates:
-        key = plate if re.fullmatch(r"[A-Za-z0-9_-]+", plate) else _text(plate)
-        tables[f"{kind}.{key}"] = dict(numbers)
+        tables[f"{kind}.{_key(plate)}"] = dict(numbers)
     if material.noise is not None:
         tables["cycle_noise"] = {
             "log_sigma": material.noise.log_sigma,
@@ -269,6 +295,11 @@ def _numbers(law: EllipseFriction) -> dict[str, object]:
         "n0": law.n0,
         "phi_deg": math.degrees(law.phi),
     }
+
+
+def _key(name: str) -> str:
+    """A name as a key of a table."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def _text(value: object) -> str:

@@ -257,12 +257,12 @@ def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
 
 
 def _about_rotation(twist: ca.SX, pressure: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Return the centre of rotation, and the pressure there with its gradient; `pressure`: c, l, and q's xx, xy, yy."""
-    x, y = -twist[1] / twist[2], twist[0] / twist[2]
-    c, lx, ly, xx, xy, yy = ca.vertsplit(pressure)
-    gx = lx + 2 * (xx * x + xy * y)
-    gy = ly + 2 * (xy * x + yy * y)
-    level = c + x * (lx + xx * x + 2 * xy * y) + y * (ly + yy * y)
+    """Return the centre of rotation, and a QUADRATIC there with its gradient."""
+    v, p = TWIST.of(twist), QUADRATIC.of(pressure)
+    x, y = -v.vy / v.omega, v.vx / v.omega
+    gx = p.slope_x + 2 * (p.xx * x + p.xy * y)
+    gy = p.slope_y + 2 * (p.xy * x + p.yy * y)
+    level = p.level + x * (p.slope_x + p.xx * x + 2 * p.xy * y) + y * (p.slope_y + p.yy * y)
     return x, y, level, ca.vertcat(gx, gy)
 
 
@@ -271,14 +271,16 @@ def _pressed_side(
 ) -> list[ca.SX]:
     """What one side of the contact adds under a pressure c + l.r + r.Q r that it bounds.
 
-    The contact is cut into cones from the centre of rotation, where w = 0: with rho = r - r_c and F(w) homogeneous of
-    degree k, int P F = rim (rho x drho) F int_0^1 P(r_c + s rho) s^(k+1) ds; along a side all that is in closed form.
+    The contact is cut into cones from the centre of rotation, where w = 0: with rho = r - r_c and
+    F(w) homogeneous of degree k, int P F = rim (rho x drho) F int_0^1 P(r_c + s rho) s^(k+1) ds;
+    along a side all that is in closed form.
     """
     x, y, level, gradient = _about_rotation(twist, pressure)
-    gx, gy = gradient[0], gradient[1]
-    xx, xy, yy = pressure[3], pressure[4], pressure[5]
-    ax, ay = ends[0] - x, ends[1] - y
-    ex, ey = (ends[2] - ends[0]) / side.size, (ends[3] - ends[1]) / side.size
+    (gx, gy), quadratic = ca.vertsplit(gradient), QUADRATIC.of(pressure)
+    xx, xy, yy = quadratic.xx, quadratic.xy, quadratic.yy
+    start_x, start_y, end_x, end_y = ca.vertsplit(ends)
+    ax, ay = start_x - x, start_y - y
+    ex, ey = (end_x - start_x) / side.size, (end_y - start_y) / side.size
     foot_x, foot_y = ax - side.start * ex, ay - side.start * ey
     cross = ax * ey - ay * ex
     # P's terms of degree 1 and 2 in rho = foot + t e.
@@ -323,15 +325,23 @@ def _pressed_side(
 
 
 def _pressed_cone(twist: ca.SX, matrix: ca.SX, cone: ca.SX, pressure: ca.SX) -> list[ca.SX]:
-    """D and force of one thin cone from the centre of rotation to a place on the rim; `cone`: it, and rho x drho."""
+    """D and force of one thin cone from the centre of rotation to a place on the rim.
+
+    `cone` : the place, and rho x drho there.
+    """
     x, y, level, gradient = _about_rotation(twist, pressure)
-    rx, ry = cone[0] - x, cone[1] - y
-    first = gradient[0] * rx + gradient[1] * ry
-    second = pressure[3] * rx * rx + 2 * pressure[4] * rx * ry + pressure[5] * ry * ry
-    wx, wy = _velocity(twist, matrix, cone[0], cone[1])
+    (gx, gy), p, (end_x, end_y, cross) = (
+        ca.vertsplit(gradient),
+        QUADRATIC.of(pressure),
+        ca.vertsplit(cone),
+    )
+    rx, ry = end_x - x, end_y - y
+    first = gx * rx + gy * ry
+    second = p.xx * rx * rx + 2 * p.xy * rx * ry + p.yy * ry * ry
+    wx, wy = _velocity(twist, matrix, end_x, end_y)
     size = ca.sqrt(wx * wx + wy * wy + TINIEST**2)
-    force = cone[2] * (level / 2 + first / 3 + second / 4) / size
-    speed = cone[2] * (level / 3 + first / 4 + second / 5) * size
+    force = cross * (level / 2 + first / 3 + second / 4) / size
+    speed = cross * (level / 3 + first / 4 + second / 5) * size
     return [speed, *_transposed(matrix, force * wx, force * wy)]
 
 
