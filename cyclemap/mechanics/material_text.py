@@ -121,6 +121,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
     pressures = {plate: _table(plates, plate, PLATE_KEYS, f"plates.{plate}") for plate in plates}
     floor = _table(table, "floor_shape", FLOOR_SHAPE_KEYS)
     spread = _table(table, "session_spread", SPREAD_KEYS)
+    dome, bow_x, bow_y = (finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS)
     sessions = []
     for session in _table(table, "sessions"):
         told_shape = _table(
@@ -173,7 +174,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         ),
         floor=shape_of_numbers(floor, FLOOR_SHAPE_KEYS),
         sessions=tuple(sessions),
-        session_spread=tuple(finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS),
+        session_spread=(dome, bow_x, bow_y),
     )
 
 
