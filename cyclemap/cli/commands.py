@@ -165,7 +165,7 @@ command(
 )
 command(
     "fingerprint",
-    """Print the five numbers of a protocol and, for a material, the directions they predict.
+    """Print the seven numbers of a protocol and, for a material, the directions they predict.
 
     Without MATERIAL and friction settings only the protocol's own numbers are told.
     """,
