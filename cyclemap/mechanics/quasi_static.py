@@ -273,7 +273,12 @@ class QuasiStaticModel:
             for x, y, theta in (ran.pushed[0].tolist(), ran.ended[0].tolist())
         )
         push = PushResult(
-            pose, pushed, "left" if ran.left[0] else "distance", unit * ran.travel[0], course
+            start=pose,
+            end=pushed,
+            ended="left" if ran.left[0] else "distance",
+            travel=unit * float(ran.travel[0]),
+            is_ambiguous=bool(ran.is_ambiguous[0]),
+            course=course,
         )
         return push, DragResult(
             pushed if strokes.length else pose, end, unit * float(ran.way[0]), course

@@ -56,8 +56,8 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
     return a * b / (a * a * s * s + b * b * c * c);
 }
 
-/* The push: moves the object; LEFT, DISTANCE, or why not. */
-static int push_object(const Loop *loop, Body *body, double *travel, const volatile int64_t *stop,
+/* The push: moves the object, writes its part of the result; LEFT, DISTANCE, or why not. */
+static int push_object(const Loop *loop, Body *body, double *result, const volatile int64_t *stop,
                        Record *record) {
     Pressed pressed;
     begin_pressed(&pressed, loop->object.tolerance);
@@ -99,8 +99,10 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
     }
     Step last = {0};
     int64_t first = m.piece;
-    int ended = run_push(&r, &m, state, loop->length, travel, &last);
+    int ended = run_push(&r, &m, state, loop->length, result + RESULT_TRAVEL, &last);
     if (ended < 0) return ended;
+    double travel = result[RESULT_TRAVEL];
+    result[RESULT_IS_AMBIGUOUS] = r.is_ambiguous;
     double toward[] = {cos(r.direction), sin(r.direction)};
     rod_centre(&r, &m, state, after, by_theta, by_coordinate, by_radius);
     const double *slope = last.rows[STAGES] + SLOPE;
@@ -125,7 +127,7 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
         /* added to where it starts as one number: wherever that is, the push is the same to the
            bit */
         for (int c = 0; c < 2; ++c)
-            by[c] += by_before[k][c] + toward[c] * by_travel + *travel * sideways[c] * by_direction
+            by[c] += by_before[k][c] + toward[c] * by_travel + travel * sideways[c] * by_direction
                      - (by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
                         + by_radius[c] * wider);
         by[POSE_THETA] = now[THETA];
@@ -135,7 +137,7 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
         if (wider != 0.0 && (r.is_wedged || skips))
             by[POSE_X] = by[POSE_Y] = by[POSE_THETA] = NAN;
     }
-    for (int c = 0; c < 2; ++c) body->place[c] += before[c] + *travel * toward[c] - after[c];
+    for (int c = 0; c < 2; ++c) body->place[c] += before[c] + travel * toward[c] - after[c];
     body->theta = state[THETA];
     return ended;
 }
@@ -236,7 +238,7 @@ static int run_task(const Loop *loop, const double *task, const double *varied, 
     for (int k = 0; varied && k < count; ++k)
         for (int i = 0; i < POSE; ++i) body.by[POSE * k + i] = varied[i * count + k];
     int left = DISTANCE, done = 1;
-    if (loop->length > 0.0) left = push_object(loop, &body, result + RESULT_TRAVEL, stop, record);
+    if (loop->length > 0.0) left = push_object(loop, &body, result, stop, record);
     if (left < 0 || !isfinite(body.theta)) return left < 0 ? left : UNSOLVED;
     result[RESULT_HAS_LEFT] = left;
     write_body(&body, result + RESULT_PUSHED, by ? by + OUTPUT_PUSHED * count : 0, count);

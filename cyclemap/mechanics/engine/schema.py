@@ -146,7 +146,9 @@ SOURCES = (*VARIED, *OF_PRESSURE)
 # push's travel, poses after it and at the end, the ring's way. Its outputs are differentiated.
 TASK = Columns("TASK_COLUMNS", "TASK_", "loop pose:3")
 OUTPUT = Columns("OUTPUTS", "OUTPUT_", "pushed:3 ended:3 way")
-RESULT = Columns("RESULT_COLUMNS", "RESULT_", f"status has_left travel {OUTPUT.entries}")
+RESULT = Columns(
+    "RESULT_COLUMNS", "RESULT_", f"status has_left is_ambiguous travel {OUTPUT.entries}"
+)
 # The course of a task: number of the stroke (0: the push), travel, the rod's place, state, piece,
 # mode, both forces, residual of the balance; point and outward normal of the contact in the
 # object's frame.

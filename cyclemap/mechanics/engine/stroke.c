@@ -129,7 +129,19 @@ static int turns_about(Stroke *r, Motion *m, int wedge, int mode, double theta) 
             return 0;
         iterate(r, m, state, m->z, row, report);
     }
-    return report[NORMAL_FORCE] >= 0.0 && report[TANGENTIAL_FORCE] >= 0.0;
+    return row[MARGIN + FIRST] >= 0.0 && row[MARGIN + SECOND] >= 0.0;
+}
+
+/* Whether a notch locks itself: two forces along the line through both contacts are in both cones, so
+   that squeezing holds any load. */
+static int locks(const Stroke *r, int wedge, double theta) {
+    double state[] = {theta, 0.0};
+    Motion m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
+    Begun b;
+    begin(r, &m, state, m.z, &b);
+    const double *f = b.frame;
+    double cosine = f[FRAME_COSINE] * f[FRAME_SECOND_COSINE] + f[FRAME_SINE] * f[FRAME_SECOND_SINE];
+    return acos(-fmin(fmax(cosine, -1.0), 1.0)) <= 2.0 * atan(r->friction);
 }
 
 /* Whether the friction of both contacts can hold the object in translation. Of the tangential force
@@ -138,7 +150,7 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
     double state[] = {theta, 0.0}, friction[FRICTION_SIZE], mu = r->friction;
     double radius = r->object->radius;
     double low = -INFINITY, high = INFINITY;
-    if (radius == 0.0) return 0;
+    if (radius == 0.0) return locks(r, wedge, theta);
     Begun b;
     *m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
     begin(r, m, state, m->z, &b);
@@ -168,18 +180,23 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
    several the one without forces inside the wedge that nothing has built up. */
 static int enter_wedge(Stroke *r, Motion *m, int wedge, const double *end, double *state) {
     const double *at = piece_of(r, wedge);
-    Motion next;
-    int mode = r->object->radius > 0.0 ? WEDGE_LEFT : WEDGE_RIGHT;
+    int first = r->object->radius > 0.0 ? WEDGE_LEFT : WEDGE_RIGHT, count = 0;
+    double coordinate = 0.0;
+    Motion next, tried;
     r->is_wedged = 1;
     for (int forward = 1; forward >= 0; --forward) {
         int piece = (int)at[forward ? PIECE_AFTER : PIECE_BEFORE];
-        if (!leaves_along(r, &next, piece, forward, state[THETA])) continue;
-        state[COORDINATE] = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
-        return change_motion(r, m, next, end, state, 0.0);
+        if (!leaves_along(r, &tried, piece, forward, state[THETA]) || count++) continue;
+        coordinate = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
+        next = tried;
     }
-    while (mode <= WEDGE_RIGHT && !turns_about(r, &next, wedge, mode, state[THETA])) ++mode;
-    if (mode > WEDGE_RIGHT && !is_held_in(r, &next, wedge, state[THETA])) return NOT_ALONE;
-    state[COORDINATE] = 0.0;
+    for (int mode = first; mode <= WEDGE_RIGHT; ++mode)
+        if (turns_about(r, &tried, wedge, mode, state[THETA]) && !count++) next = tried;
+    if (is_held_in(r, &tried, wedge, state[THETA]) && !count++)
+        next = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
+    if (!count) return NOT_ALONE;
+    if (count > 1) r->is_ambiguous = 1;
+    state[COORDINATE] = coordinate;
     return change_motion(r, m, next, end, state, 0.0);
 }
 
