@@ -206,7 +206,7 @@ class TransferOperator:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
 
         Fewer are returned only when the basis has fewer functions. Small operators are solved whole, large ones by
-        Arnoldi iteration (ARPACK), whose residuals are checked; ConvergenceError when they fail.
+        Arnoldi's iteration, whose residuals are checked; ConvergenceError when they fail.
         """
         return leading_values(self.discretisation, whole_number("k", k, least=1))
 

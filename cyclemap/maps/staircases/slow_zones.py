@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only, whole_number
@@ -237,10 +236,10 @@ def _visit_moments(
 
 def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
     """From each node: the chance to leave by ``out``, and E length and E length² on that event."""
-    factors = lu_factor(np.eye(out.size) - kernel)
-    chance = lu_solve(factors, out)
-    length = lu_solve(factors, chance)
-    return chance, length, lu_solve(factors, chance + 2.0 * (kernel @ length))
+    runs = np.linalg.inv(np.eye(out.size) - kernel)
+    chance = runs @ out
+    length = runs @ chance
+    return chance, length, runs @ (chance + 2.0 * (kernel @ length))
 
 
 @dataclass(frozen=True, eq=False)
