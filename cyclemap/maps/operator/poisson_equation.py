@@ -42,7 +42,7 @@ class StationaryLaw:
         matrix = np.eye(self.basis.size) - self.basis.matrix
         matrix += np.multiply.outer(self.basis.uniform, self.basis.mass)
         try:
-            return np.linalg.inv(matrix)
+            return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
         except np.linalg.LinAlgError as error:
             raise ConvergenceError(_NOT_UNIQUE) from error
 

@@ -20,6 +20,7 @@ from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
 from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
+from cyclemap.one_thread import one_thread
 
 _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
@@ -96,6 +97,7 @@ class StaircaseSummary:
         return self.step / pace if pace > 0.0 else float("inf")
 
 
+@one_thread
 def predict_staircase(
     circle_map: CircleMap, noise: Noise, operator: TransferOperator | None = None
 ) -> StaircaseSummary:
@@ -264,6 +266,7 @@ class DriftSummary:
         return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
 
 
+@one_thread
 def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int = 5) -> DriftSummary:
     """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
 
