@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
@@ -46,7 +46,7 @@ NOTHING = "–"
 
 
 def run_identify(
-    data: Sequence[Path], columns: str | None, units: str | None, select: tuple[str, ...], protocol: Path | None,
+    data: Sequence[Path], table: TableOptions, select: tuple[str, ...], protocol: Path | None,
     settings: tuple[str, ...], start: str | None, free: str | None, fix: tuple[str, ...], first: int, most: int,
     wear: bool, no_priors: bool, name: str | None, folds: int | None, student: float, starts: int, seed: int, out: Path,
     picture_format: str, json_target: str | None,
@@ -57,7 +57,7 @@ def run_identify(
     surface, fixed = None if start is None else load_material(start), fixed_values(fix)
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    data, space = [readable_data(path, columns, units, out) for path in data], starting_space(loop, surface)
+    data, space = [readable_data(path, table, out) for path in data], starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data, loop, chosen, first=first, wear=wear, most=most, progress=report,

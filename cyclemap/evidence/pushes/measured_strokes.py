@@ -95,13 +95,13 @@ def select_pushes(
             keep[number] = not (reason or table)
         frames.append(frame[keep].reset_index(drop=True))
     bad = [file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX]
-    return PushTable(frames[0], frames[1], tuple(bad)), +left_out
+    return replace(found, table=frames[0], scans=frames[1], unreadable=tuple(bad)), +left_out
 
 
 def pushes_of(pushes: PushTable, plate: str) -> PushTable:
     """Return the pushes and scans of one object of several, without what could not be read."""
     table, scans = (frame[frame["object"] == plate].reset_index(drop=True) for frame in (pushes.table, pushes.scans))
-    return PushTable(table, scans, ())
+    return replace(pushes, table=table, scans=scans, unreadable=())
 
 
 def told(values: Iterable[Any]) -> frozenset[str]:

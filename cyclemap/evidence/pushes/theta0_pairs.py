@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.evidence.pushes.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
@@ -97,7 +98,13 @@ def _is_large(gap_deg: Array) -> NDArray[np.bool_]:
     return np.abs(gap_deg) > max(_CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
 
 
-def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
+def read_theta0_pairs(
+    path: str | Path,
+    *,
+    angles: str | None = None,
+    offset_deg: float | None = None,
+    convention: Convention | None = None,
+) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
     - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
@@ -108,9 +115,11 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A column beside it whose
       name is nearly theta_next_deg, or speaks of the next one, is refused.
 
+    angles, offset_deg : how the file counts angles, as in `Convention`, or all of that as one; what is not told is what
+    a collection.toml with the data says, else counter-clockwise. Orientations alone cannot tell.
     DataFileError names the file, the line and the mend.
     """
-    table = read_csv_table(path)
+    table = (convention or convention_of(path, angles, None, offset_deg)).table(read_csv_table(path))
     doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
     if "theta0_accum_deg" in table.header:
         return _from_staircase(table)

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.arrays import Array
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
@@ -90,12 +92,18 @@ class Audit:
 
 
 def audit(
-    data: str | Path | PushTable, *, alarm_rate: float = ALARM_RATE, progress: Callable[[float], None] | None = None
+    data: str | Path | PushTable,
+    *,
+    loop: CollectionLoop | None = None,
+    alarm_rate: float = ALARM_RATE,
+    progress: Callable[[float], None] | None = None,
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
 
     data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several sets pushed alike
-    the one of most pushes is taken. Raises InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+    the one of most pushes is taken. loop : that made them, where it is known: the sense of angles is tested by it, else
+    by whether pushes alike move the object alike. Raises OtherConvention where it is another,
+    InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as place:
@@ -105,7 +113,7 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    theta, ordered, reset, others = _orientations(data)
+    theta, ordered, reset, others = _orientations(data, loop)
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor, reports = BiasMonitor(alarm_rate), []
@@ -116,7 +124,9 @@ def audit(
     return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered_arcs(theta), reset, others)
 
 
-def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffect | None, int]:
+def _orientations(
+    data: str | Path | PushTable, loop: CollectionLoop | None
+) -> tuple[Array, bool, ResetEffect | None, int]:
     """The orientations of the largest set, whether in order, what its resets did, and the number of other pushes."""
     if isinstance(data, (str, Path)) and Path(data).is_file() and Path(data).suffix.lower() == ".csv":
         header = read_csv_table(data).header
@@ -126,7 +136,9 @@ def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffec
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
-        raise InvalidInput(f"{data}: no push with an orientation in it")
+        why = f": {given.unreadable[0].path}: {given.unreadable[0].reason}" if given.unreadable else ""
+        raise InvalidInput(f"{data}: no push with an orientation in it{why}")
+    check_pushes(given, loop)
     columns = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
     sets = table.groupby(columns, dropna=False, sort=False)
     largest = max((rows for _, rows in sets), key=len)
