@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends
@@ -33,16 +34,19 @@ if TYPE_CHECKING:
 # that share: measured, a right reading lies 2 to 15 mm off on floors, a wrong one 60 to 200 mm.
 _BEATEN, _BEATEN_UNIT = 0.5, 0.3
 # Of readings within this factor and distance (m) of the best the simplest is named.
-_HARDLY, _NOTHING = 1.2, 2e-4
+_HARDLY, _NOTHING = 1.4, 5e-4
+_SAME_ANGLE = math.radians(2.0)
 # Fewer pushes tell a reading from chance no more; more than so many tell nothing new.
 FEWEST, _MOST = 6, 400
-# Below this distance, as a share of how far pushes go, a reading explains them well enough for any friction.
-_WELL = 0.04
+# Shares of how far pushes move the object: a reading that is nearer explains them well enough for any friction; one
+# that is farther off explains nothing, be it the best; and one as far off as that is told of.
+_WELL, _EXPLAINS, _FAR = 0.04, 0.25, 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where directions are spread.
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
 _LENGTHS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "m": 1.0}
 _TURNED = {"deg": math.radians(1.0), "rad": math.degrees(1.0)}
 _TIPS = ["tip_x0", "tip_y0", "tip_x1", "tip_y1"]
+_PLAIN: dict[str, Any] = {"material": load_material("isotropic"), "footprint": None, "accuracy": 1e-6}
 _POSES = ["x0", "y0", "theta0", "x1", "y1", "dtheta"]
 
 
@@ -71,7 +75,14 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     loop : who is pushed where; objects of the MIT dataset that the data name are known without. Raises OtherConvention
     where another reading of an object's pushes explains them far better.
     """
-    said = []
+    if loop is not None and not isinstance(loop, CollectionLoop):
+        # Nobody knows what pushes of another kind of loop do.
+        return ()
+    said, table = [], pushes.table
+    alone = table[table["dtheta"].isna() & table["theta_next"].notna()]
+    if len(alone) == len(table[table["theta_next"].notna()]) and len(alone):
+        pair = (alone[name].to_numpy(dtype=float) for name in ("theta0", "theta_next"))
+        said += check_orientations(*pair, None if loop is None else replace(loop, **_PLAIN), pushes.convention)
     for name, rows in pushes.table.groupby("object", dropna=False, sort=False):
         known = loop
         if isinstance(name, str) and (loop is None or name != file_stem(loop.slider.name)):
@@ -84,6 +95,37 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         found = check_motion(rows, known, pushes.convention, pushes.convention_told)
         said += [] if found is None else [found.words]
     return tuple(dict.fromkeys(said))
+
+
+def check_orientations(
+    theta: Array, theta_next: Array, loop: CollectionLoop | None, convention: Convention = OURS
+) -> tuple[str, ...]:
+    """Test the sense of orientations (n,), rad, before pushes and before the next ones, by what a loop makes of them.
+
+    Alone they cannot tell it, which is said; beside a loop that explains them in a mirror, and only there, they do:
+    OtherConvention is raised then. convention : in which they were read.
+    """
+    angles = convention.words().partition("angles ")[2]
+    said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
+    if theta.size < FEWEST or not isinstance(loop, CollectionLoop):
+        return said
+    chosen = np.unique(np.linspace(0, theta.size - 1, min(theta.size, _MOST)).round().astype(int))
+    coarse, off = replace(loop, accuracy=1e-6), {}
+    for name, (sense, zero) in ANGLES.items():
+        before, after = (sense * angle[chosen] + zero for angle in (theta, theta_next))
+        off[name] = float(np.median(np.abs(shorter_way(after - coarse.next_theta(before)))))
+    here = off.pop("counter-clockwise")
+    if not convention.is_ours:
+        return said
+    # Where the zero of angles makes no difference the plainer one is named.
+    best = next(name for name in off if off[name] <= _HARDLY * min(off.values()) + _SAME_ANGLE)
+    if off[best] < _BEATEN * here and here > _LEAST_OFFSET:
+        told = (
+            f"cycles lie {math.degrees(here):.3g}° from the map of {loop.material.name}, in the median of {len(chosen)}"
+        )
+        mend = f'give --angles {best} if they are counted so (in collection.toml: [data] angles = "{best}")'
+        raise OtherConvention(f"{told}; counted {best}, {math.degrees(off[best]):.3g}°: {mend}")
+    return said
 
 
 @dataclass(frozen=True)
@@ -154,13 +196,18 @@ def check_motion(
     here = test.distance(taken)
     found = [(test.distance(one), one) for one in test.readings(taken)]
     best, other = _nearest(found, taken)
+    twins = [one for distance, one in found if one != other and distance <= _HARDLY * best + _NOTHING]
     limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
-    small = _WELL * float(np.median(np.hypot(*written.moved.T)))
-    if best <= limit * here and here > small and test.closer(other, taken):
-        line = _refusal(test, here, best, taken, other)
+    moved = other.length * float(np.median(np.hypot(*written.moved.T)))
+    explains = best <= min(limit * here, _EXPLAINS * moved)
+    if explains and here > _WELL * moved and test.closer(other, taken):
+        line = _refusal(test, here, best, taken, other, twins)
         if not told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
+    elif loop is not None and min(here, best) > _FAR * moved:
+        far = f"{test.what} {1e3 * here:.3g} mm off in the median, and not less than {1e3 * best:.3g} mm in any reading"
+        warnings.warn(f"{far}: are object, push and units those of the data?", DoubtfulInput, stacklevel=3)
     return MotionCheck(len(rows), convention, here, other.convention, best, _words(test, here, best, taken, other))
 
 
@@ -171,7 +218,7 @@ def _nearest(found: list[tuple[float, _Reading]], taken: _Reading) -> tuple[floa
     return next(enough, (math.inf, taken))
 
 
-def _refusal(test: Any, here: float, best: float, taken: _Reading, other: _Reading) -> str:
+def _refusal(test: Any, here: float, best: float, taken: _Reading, other: _Reading, twins: Sequence[_Reading]) -> str:
     """What is wrong, and the words that mend it."""
     off = f"{test.what} {1e3 * here:.3g} mm off in the median of {test.count} pushes"
     if other.length != 1.0 or other.angle != 1.0:
@@ -182,6 +229,9 @@ def _refusal(test: Any, here: float, best: float, taken: _Reading, other: _Readi
     changed = [f"{key} = {value}" for key, value in _keys(other.convention, taken.convention)]
     also = test.alternative(taken)
     mend = f"give {options}{also} (in collection.toml: [data] {', '.join(changed)})"
+    named = [one.convention for one in twins if one.convention.offset == taken.convention.offset and one.length == 1.0]
+    if named and not also:
+        mend += f"; or, which turns the world's frame against that, {' or '.join(one.options() for one in named[:2])}"
     return f"{off}, read with {taken.convention.words()}; with {other.convention.words()}, {1e3 * best:.3g} mm: {mend}"
 
 
@@ -204,7 +254,7 @@ def _words(test: Any, here: float, best: float, taken: _Reading, other: _Reading
     told = f"read with {taken.convention.words()}: {test.what} {1e3 * here:.3g} mm off in the median"
     if best <= here / _BEATEN:
         mirror = other.convention.words()
-        return f"{told}; motions cannot tell that from {mirror} ({1e3 * best:.3g} mm), so that is assumed"
+        return f"{told}; motions cannot tell that from {mirror} ({1e3 * best:.3g} mm): that is assumed"
     return f"{told}, {1e3 * best:.3g} mm in the next best reading"
 
 
@@ -278,8 +328,10 @@ class _Alike(_Predicted):
 
     def __init__(self, written: _Written) -> None:
         rows = written.rows
-        labels = rows[["object", "side", "fraction", "angle"]].astype(str).agg("|".join, axis=1)
-        largest = (labels == labels.mode().iloc[0]).to_numpy()
+        facts = zip(*(map(str, rows[name]) for name in ("object", "side", "fraction", "angle")), strict=True)
+        labels = ["|".join(row) for row in facts]
+        usual = Counter(labels).most_common(1)[0][0]
+        largest = np.array([label == usual for label in labels])
         super().__init__(written.where(largest), np.zeros(0), np.zeros(0), 0.0, False)
         self.count = int(largest.sum())
 
@@ -336,7 +388,7 @@ class _WithTips(_Predicted):
 
 def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
     """The pushes with what isotropic friction makes of them; None where it makes nothing of most."""
-    rows, plain = written.rows, replace(loop, material=load_material("isotropic"), footprint=None, accuracy=1e-6)
+    rows, plain = written.rows, replace(loop, **_PLAIN)
     labelled = rows[["side", "fraction"]].notna().all(axis=1).to_numpy()
     way = written.tips[:, 1] - written.tips[:, 0]
     if not labelled.all() and (np.hypot(*way.T) > 0.0).all():

@@ -31,7 +31,7 @@ FILE_KEYS = (
 )
 _DRAWN_TABLES = {"posterior": ("parameters", "samples"), "cycle_noise": ("log_sigma", "correlation")}
 # What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
-_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data")
 
 
 def material_names() -> tuple[str, ...]:

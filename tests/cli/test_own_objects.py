@@ -218,7 +218,8 @@ def test_what_the_folder_of_a_log_says_of_the_push_holds_for_identify_and_portra
 
 
 def test_a_report_judges_poses_that_tell_no_cycle_and_a_portrait_says_that_they_tell_none(here, refused) -> None:
-    poses = "".join(f"0,0,{a},0.04,-0.07,{a + 1.3},150\n" for a in np.linspace(0.0, 6.0, 30))
+    turned = ((a, (0.04 - 0.07j) * np.exp(1j * a)) for a in np.linspace(0.0, 6.0, 30))
+    poses = "".join(f"0,0,{a},{moved.real},{moved.imag},{a + 1.3},150\n" for a, moved in turned)
     (here / "ends.csv").write_text("x0,y0,theta0,x1,y1,theta1,push_mm\n" + poses)
     assert run(["report", "isotropic", "--data", "ends.csv"]) == 0
     assert "ends.csv" in (here / "out" / "report_isotropic.html").read_text()

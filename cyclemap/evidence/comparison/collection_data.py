@@ -18,7 +18,8 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
@@ -102,7 +103,9 @@ def collection_data(
     if isinstance(given, Theta0Pairs):
         if select:
             raise InvalidInput(f"the data are orientations alone and tell no {next(iter(select))}: select nothing")
-        return _of_pairs(given, loop, start)
+        convention = written_convention(data)[0] if isinstance(data, str | Path) else OURS
+        reading = check_orientations(given.theta, given.theta_next, loop, convention)
+        return replace(_of_pairs(given, loop, start), reading=reading)
     if isinstance(given, PushTable):
         chosen = replace(given, table=selected_pushes(given.table, select or {}))
         reading = () if loop is None else check_pushes(chosen, loop)

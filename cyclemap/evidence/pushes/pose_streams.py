@@ -188,7 +188,8 @@ def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
     if not len(clean):
         return np.zeros((0, 2), dtype=int), np.array(spans, dtype=int).reshape(-1, 2), np.zeros(0), "no push is clear"
     usual = np.median(clean, axis=0)
-    size = math.hypot(*usual)
+    backs = np.array([_motion(poses, a + 1, b, sense) for a, b in spans if b == a + 2 and home[b]])
+    back, limit, limit_back = np.median(backs, axis=0), _spread(clean), _spread(backs)
     pushes, unclear, numbers, paused = [], [], [], 0
     # What is unclear is a number left out, so that nothing is taken to follow across it.
     for number, (first, last) in enumerate(spans):
@@ -196,7 +197,9 @@ def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
         ends = range(first + 1, last + (1 if open_end else 0))
         away = {end: float(np.linalg.norm(motions[(first, end)] - usual)) for end in ends}
         end = min(away, key=lambda rest: away[rest], default=0)
-        if away and away[end] <= _ALIKE * size:
+        # Two cycles with an unseen rest between them begin with a push, too.
+        closed = open_end or np.linalg.norm(_motion(poses, end, last, sense) - back) <= limit_back
+        if away and away[end] <= limit and closed:
             pushes.append((first, end))
             numbers.append(number)
             paused += last - first > 2
@@ -211,6 +214,13 @@ def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
         np.array(numbers),
         words,
     )
+
+
+def _spread(motions: Array) -> float:
+    """How far from their median motions of one kind may lie: a share of its size, or where most of them do."""
+    middle = np.median(motions, axis=0)
+    off = np.linalg.norm(motions - middle, axis=1)
+    return max(_ALIKE * float(np.linalg.norm(middle)), 2.0 * float(np.quantile(off, 0.8)))
 
 
 def _motion(poses: Array, first: int, last: int, sense: float = 1.0) -> Array:

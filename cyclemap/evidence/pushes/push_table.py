@@ -109,9 +109,12 @@ def _posed_rows(table: CsvTable) -> list[CsvRow]:
     lost = [row for row in table.rows if any(table.text(row, name).lower() in _NOTHING for name in names)]
     if not lost:
         return list(table.rows)
-    if len(lost) > _MOST_LOST * len(table.rows):
-        name = next(name for name in names if table.text(lost[0], name).lower() in _NOTHING)
-        raise table.error(lost[0].line, f"{name} is empty, as poses are in {len(lost)} of {len(table.rows)} rows")
+    if len(lost) >= _MOST_LOST * len(table.rows):
+        name, text = next(
+            (name, table.text(lost[0], name)) for name in names if table.text(lost[0], name).lower() in _NOTHING
+        )
+        told = f"{name} is '{text}'; it must be a number, and {len(lost)} of {len(table.rows)} rows lack one"
+        raise table.error(lost[0].line, told)
     told = f"{table.path}: {len(lost)} of {len(table.rows)} rows left out for want of a pose, the first in line"
     warnings.warn(f"{told} {lost[0].line}", DoubtfulInput, stacklevel=4)
     gone = {row.line for row in lost}

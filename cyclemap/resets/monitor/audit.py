@@ -11,7 +11,8 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.pushes.conventions import written_convention
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
@@ -132,6 +133,8 @@ def _orientations(
         header = read_csv_table(data).header
         if not {"x0", "x1"} <= set(header):
             pairs = read_theta0_pairs(data)
+            if loop is not None:
+                check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
             return (pairs.theta, False, None, 0) if pairs.path is None else (pairs.path, True, None, 0)
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
