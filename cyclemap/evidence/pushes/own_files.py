@@ -18,7 +18,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.plain_text import json_value
+from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_text
 
 Columns = dict[str, Array]
@@ -231,4 +231,4 @@ def _library(name: str, extra: str) -> None:
     try:
         import_module(name)
     except ImportError as error:
-        raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[{extra}]'") from error
+        raise InvalidInput(f"this kind of file needs {name}: {install_words(extra)}") from error
