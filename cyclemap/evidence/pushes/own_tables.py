@@ -92,6 +92,8 @@ _TELLING, _MOST_OF_A_TURN = 8, 0.7
 _AN_EPOCH = 1e8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
 _FEWEST_AT_RANDOM = 20
+# No reset turns an object alike to this (rad).
+_EVENLY = 1e-6
 # Seconds from row to row: beyond this a row is a push of its own.
 _A_CYCLE = 3.0
 
@@ -430,8 +432,11 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         # Where a reset makes them they gather somewhere, or turns have a mean.
         gather = max((abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size), default=1.0)
         at_random = posed and now.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(now.size)
-        if at_random:
-            words.append("orientations before pushes go with nothing: taken as set at random, no cycle among them")
+        even = posed and now.size > 2 and float(np.ptp(later - now)) < _EVENLY
+        if at_random or even:
+            how = "are evenly spaced: taken as set one by one" if even else "go with nothing: taken as set at random"
+            words.append(f"orientations before pushes {how}, no cycle among them")
+            at_random = True
             del found["theta_next"]
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)

@@ -46,7 +46,7 @@ class Audit:
     name : of the data. theta : its orientations, rad, in order. reports : of the monitor after each, its chance of a
     false alarm being `alarm_rate`. ordered : whether their order is known. covered : arcs
     (from, to), rad, with no gap of 20 degrees. reset : None where the data do not tell poses before and after pushes.
-    others : pushes of other sets in the data, left out.
+    others : pushes of other sets in the data, left out. posed : whether poses after pushes are there, at least.
     """
 
     name: str
@@ -57,6 +57,7 @@ class Audit:
     covered: tuple[tuple[float, float], ...]
     reset: ResetEffect | None
     others: int
+    posed: bool = False
 
     @property
     def report(self) -> BiasReport:
@@ -114,7 +115,7 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    theta, ordered, reset, others = _orientations(data, loop)
+    theta, ordered, reset, others, posed = _orientations(data, loop)
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor, reports = BiasMonitor(alarm_rate), []
@@ -122,20 +123,24 @@ def audit(
         reports.append(monitor.update(angle))
         if progress is not None:
             progress(done / theta.size)
-    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered_arcs(theta), reset, others)
+    covered = covered_arcs(theta)
+    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered, reset, others, posed)
 
 
 def _orientations(
     data: str | Path | PushTable, loop: CollectionLoop | None
-) -> tuple[Array, bool, ResetEffect | None, int]:
-    """The orientations of the largest set, whether in order, what its resets did, and the number of other pushes."""
+) -> tuple[Array, bool, ResetEffect | None, int, bool]:
+    """The orientations of the largest set, whether in order, what its resets did, the number of other pushes, and
+    whether poses after pushes are there.
+    """
     if isinstance(data, (str, Path)) and Path(data).is_file() and Path(data).suffix.lower() == ".csv":
         header = read_csv_table(data).header
         if not {"x0", "x1"} <= set(header):
             pairs = read_theta0_pairs(data)
             if loop is not None:
                 check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
-            return (pairs.theta, False, None, 0) if pairs.path is None else (pairs.path, True, None, 0)
+            known = pairs.path is not None
+            return pairs.path if known else pairs.theta, known, None, 0, False
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
@@ -157,4 +162,5 @@ def _orientations(
         spread = float(np.var(push_turn, ddof=1))
         slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
         reset = ResetEffect(push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope)
-    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows)
+    posed = bool(rows["theta1"].notna().any())
+    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows), posed
