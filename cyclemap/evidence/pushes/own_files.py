@@ -17,6 +17,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from cyclemap.arrays import Array
+from cyclemap.checks import require_room
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_text
@@ -68,8 +69,7 @@ def _refused_as(path: Path, kind: str) -> Iterator[None]:
 
 def _check_size(path: Path, decoded: int) -> None:
     """Refuse what is small on disk and large when it is unpacked."""
-    if decoded > _LARGEST_DECODED:
-        raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
+    require_room(f"{path}: holds {decoded / 1e6:.0f} MB of numbers", decoded // 8, "split it", _LARGEST_DECODED // 8)
 
 
 def _json_lines(path: Path, text: str) -> Columns:

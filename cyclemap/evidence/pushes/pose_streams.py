@@ -27,8 +27,8 @@ _SEEN, _ENDED, _SEEN_SHARE, _ENDED_SHARE = 4.0, 2.4, 0.3, 0.1
 _LEAST_NOISE, _LEVER, _CLEAR = 2e-5, 0.03, 2.0
 # What moves less (m, with turns by the lever) between two rests has not moved.
 _LEAST_MOTION = 6e-3
-# Rests are averaged over so many seconds before and after their middle.
-_AVERAGED = 1.0
+# Rests are averaged over so many seconds, and that share of their length, before and after their middle.
+_AVERAGED, _MIDDLE = 1.0, 0.3
 # The ring's places agree within so many standard deviations of a rest, or that far (m).
 _AGREE, _AGREE_LEAST = 5.0, 2e-3
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left out.
@@ -78,7 +78,8 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     poses = np.array([_mean_pose(t, x, y, theta, rest) for rest in rests])
     if len(rests) < 2:
         raise DataFileError(f"{path}: no push in it: its object never moves, or never rests")
-    errors = noise / np.sqrt(np.maximum(1, np.diff(rests, axis=1)[:, 0] + 1))
+    counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
+    errors = noise / np.sqrt(counts)
     cut, unclear, number, words = _cycles(poses, errors)
     found = Segments(t, x, y, theta, rests, cut, number, unclear, words)
     if len(cut) < 2 or len(unclear) > _MOST_UNCLEAR * (len(cut) + len(unclear)):
@@ -93,10 +94,11 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
 
 
 def _mean_pose(t: Array, x: Array, y: Array, theta: Array, rest: Array) -> Array:
-    """The mean pose of a rest, of its middle where it is long."""
+    """The mean pose of a rest in its middle: at its ends motion may hide in the noise."""
     first, last = int(rest[0]), int(rest[1]) + 1
     middle = 0.5 * (t[first] + t[last - 1])
-    near = np.abs(t[first:last] - middle) <= _AVERAGED
+    near = np.abs(t[first:last] - middle) <= min(_AVERAGED, _MIDDLE * (t[last - 1] - t[first]))
+    near = near if near.any() else np.ones(near.size, dtype=bool)
     return np.array([one[first:last][near].mean() for one in (x, y, theta)])
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, whole_number
+from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
@@ -38,7 +38,7 @@ _NEARLY_THE_NAME = 0.85
 GAP = float(np.radians(20.0))
 # What lies this near an end of an arc is taken with it.
 _EDGE = float(np.radians(1.0))
-DEFAULT_BINS = 72
+DEFAULT_BINS, _MOST_BINS = 72, 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,8 +330,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
 def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
     """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput for fewer than one."""
     count = whole_number("bins", bins, least=1)
-    if count > 1_000_000:
-        raise InvalidInput(f"bins is {bins}: more than a million bins hold no counts; use fewer")
+    require_room("bins", count, "so many hold no counts: use fewer", _MOST_BINS)
     # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
     return np.minimum((np.mod(theta, TWO_PI) * (count / TWO_PI)).astype(np.int64), count - 1)
 

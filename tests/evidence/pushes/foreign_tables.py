@@ -73,7 +73,7 @@ CONVENTIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 
 @dataclass(frozen=True)
 class Foreign:
-    """One table: its name, the writer, the convention, the noise (mm, and as many thirds of a degree), what it has."""
+    """One table: its name, the writer, the convention, the noise (mm, and as many degrees), what it has."""
 
     name: str
     write: Callable[..., str]
@@ -93,11 +93,13 @@ class Foreign:
         if with_collection:
             (folder / "collection.toml").write_text(collection_text(loop()))
         generator = np.random.default_rng(1000 + self.seed)
-        noise = self.noise_mm * np.array([1e-3, 1e-3, math.radians(1.0 / 3.0) * 3.0 if self.noise_mm else 0.0])
+        noise = self.noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)])
         seen = {}
         for name in ("start", "end"):
             poses = getattr(self.truth(), name)
-            seen[name] = CONVENTIONS[self.convention](poses + noise * generator.standard_normal(poses.shape))
+            # A camera errs in every frame, and not in what it looks at.
+            error = 0.0 if self.write is stream else noise * generator.standard_normal(poses.shape)
+            seen[name] = CONVENTIONS[self.convention](poses + error)
         path = folder / f"{self.name}{self.suffix}"
         path.write_text(self.write(seen["start"], seen["end"], noise, generator, self))
         return path
