@@ -128,7 +128,7 @@ ROWS = {
     ),
     "resets": (("monitor", "design", "protocol"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {"maps": {"estimate", "quadrature"}, "evidence": set(), "resets": set()}
+PARTS_SHARED: dict[str, set[str]] = {"maps": {"estimate", "quadrature"}, "evidence": {"motion_check"}, "resets": set()}
 
 
 def allowed(place: str, part: str) -> set[str]:

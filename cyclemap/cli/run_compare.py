@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
-from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
@@ -21,11 +21,11 @@ SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
 def run_compare(
-    options: LoopOptions, data: Path, columns: str | None, units: str | None, first: int, select: tuple[str, ...],
+    options: LoopOptions, data: Path, table: TableOptions, first: int, select: tuple[str, ...],
     runs: int, seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
-    read = readable_data(data, columns, units, out)
+    read = readable_data(data, table, out)
     loop, sigma = chosen_loop(options, data)
     name = loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
@@ -48,7 +48,7 @@ def run_compare(
         return
     console = PeopleConsole()
     verdicts = (verdict.words for verdict in found.verdicts)
-    told = (data_sentence(found), *verdicts, *trust_sentences(found))
+    told = (data_sentence(found), *found.data.reading, *verdicts, *trust_sentences(found))
     console.tell(headline(name, found), *told)
     for whose, quantities in found.told_pushes:
         title = f"{quantities[0].count} pushes{whose}"

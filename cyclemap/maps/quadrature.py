@@ -67,16 +67,16 @@ def _on_panels(
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * np.diff(edges)
     parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
+    # Of panels alone there may be more than fit into memory.
+    if int(parts.sum()) > MAX_NODES:
+        raise ConvergenceError(_too_many(int(parts.sum())))
     width = np.repeat(np.diff(edges) / parts, parts)
     left = np.repeat(edges[:-1], parts)
     left = left + (np.arange(width.size) - np.repeat(np.cumsum(parts) - parts, parts)) * width
     phase = np.repeat(phase / parts, parts)
     order = finer * np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
     if int(order.sum()) > MAX_NODES:
-        raise ConvergenceError(
-            f"the map needs {int(order.sum())} quadrature nodes, more than {MAX_NODES}: it is too steep "
-            "for so small a noise; raise the noise"
-        )
+        raise ConvergenceError(_too_many(int(order.sum())))
     nodes, weights, place = [], [], []
     for points in np.unique(order):
         use = order == points
@@ -86,6 +86,11 @@ def _on_panels(
         place.append(np.repeat(np.flatnonzero(use), points))
     owner = np.argsort(np.concatenate(place), kind="stable")
     return np.concatenate(nodes)[owner], np.concatenate(weights)[owner]
+
+
+def _too_many(count: int) -> str:
+    told = f"the map needs {count} quadrature nodes, more than {MAX_NODES}"
+    return f"{told}: it is too steep for so small a noise; raise the noise"
 
 
 def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) -> Array:

@@ -50,7 +50,9 @@ _DRAWN_TABLES = {
 }
 # What a file may hold beside a surface: the object on it, and what is done to it
 # (`cyclemap.collection`).
-_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
+_OTHER_TABLES = (
+    *("object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data"),
+)
 
 
 def material_names() -> tuple[str, ...]:

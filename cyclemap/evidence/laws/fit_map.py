@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import cmath
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import LinearFit
 from cyclemap.evidence.laws.periodic_law import (
     MAX_HARMONICS,
@@ -38,6 +39,8 @@ from cyclemap.maps import (
 )
 
 MAX_WEAR_DEGREE, HARMONICS = 4, 6
+# A law of so many harmonics may do anything in a wider gap (rad); it wants so many pairs more than coefficients.
+_WIDEST_GAP, _FEWEST_FREE = math.radians(60.0), 6
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
 
@@ -238,20 +241,32 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredStaircase:
-    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
+class FittedStaircase:
+    """The staircase of a map fitted to measured pairs.
 
-    steps : the dwells and steps found in the path, without a model. fitted : the map and noise fitted to its pairs.
-    prediction : the staircase of that map, on average. run : one noisy run of it, as long and from the same start.
-    comparison : the path against the prediction, its visits counted in the predicted slow zones.
+    fitted : the map and noise fitted to the pairs. prediction : its staircase, on average. run : one noisy run of it,
+    as long as the path and from the same start. comparison : the path against the prediction, its visits counted in the
+    predicted slow zones.
     """
 
-    path: Array
-    steps: Steps
     fitted: FittedMap
     prediction: StaircaseSummary
     run: Staircase
     comparison: StepComparison
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredStaircase:
+    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
+
+    steps : the dwells and steps found in the path, without a model. foretold : what the map fitted to its pairs makes
+    of it; None where the pairs do not fix a map all around, and `problem` says why.
+    """
+
+    path: Array
+    steps: Steps
+    foretold: FittedStaircase | None
+    problem: str = ""
 
     @property
     def cycles_a_turn(self) -> float:
@@ -263,16 +278,29 @@ class MeasuredStaircase:
 def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     """Find the steps of the measured path, fit its map, and predict the staircase from that: wear counts as noise.
 
-    Raises InvalidInput where the order of the pushes is unknown, or the pairs do not fix the map.
+    Raises InvalidInput where the order of the pushes is unknown, or the turns have no noise.
     """
     path = pairs.unbroken.path
     if path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
-    fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
+    steps = find_steps(path)
+    places = np.sort(np.mod(pairs.theta, TWO_PI))
+    gap = float(np.diff(places, append=places[0] + TWO_PI).max())
+    harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
+    if gap > _WIDEST_GAP:
+        told = f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
+        return MeasuredStaircase(path, steps, None, told)
+    if harmonics < 1:
+        return MeasuredStaircase(path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to")
+    fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=harmonics)
     if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
-    prediction, steps = predict_staircase(fitted_map, noise), find_steps(path)
+    try:
+        prediction = predict_staircase(fitted_map, noise)
+    except ConvergenceError as error:
+        return MeasuredStaircase(path, steps, None, f"of the map fitted to them no staircase can be computed: {error}")
     visits = find_steps(path, zones=prediction.zones) if prediction.zones else steps
     run = sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed)
-    return MeasuredStaircase(path, steps, fitted, prediction, run, compare_steps(visits, prediction))
+    foretold = FittedStaircase(fitted, prediction, run, compare_steps(visits, prediction))
+    return MeasuredStaircase(path, steps, foretold)
