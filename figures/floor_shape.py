@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.image import AxesImage
 from matplotlib.patches import Polygon as Patch
 
 from cyclemap.arrays import Array
@@ -135,7 +137,7 @@ def draw(result: FloorShapes) -> Figure:
     return figure
 
 
-_LOOKS = (
+_LOOKS: tuple[dict[str, Any], ...] = (
     {"color": QUIET, "linestyle": ":", "linewidth": 1.6},
     {"color": INK, "linestyle": "--", "linewidth": 1.5},
     {"color": PREDICTED, "linestyle": "-", "linewidth": 2.2},
@@ -144,10 +146,15 @@ _LOOKS = (
 
 def _draw_turns(axes: Axes, result: FloorShapes) -> None:
     around = np.append(result.theta, 2.0 * np.pi)
-    for floor, look in zip(result.floors, _LOOKS, strict=True):
-        axes.plot(np.degrees(around), np.degrees(np.append(floor.turn, floor.turn[0])), label=floor.name, **look)
+    for floor, line in zip(result.floors, _LOOKS, strict=True):
+        axes.plot(np.degrees(around), np.degrees(np.append(floor.turn, floor.turn[0])), label=floor.name, **line)
     if result.measured is not None:
-        look = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markersize": 4.5, "linestyle": "none"}
+        look: dict[str, Any] = {
+            "color": MEASURED,
+            "markeredgecolor": MEASURED_EDGE,
+            "markersize": 4.5,
+            "linestyle": "none",
+        }
         bins = result.measured
         axes.plot(np.degrees(bins.centre), np.degrees(bins.median), "o", label="measured", **look)
     degree_axis(axes)
@@ -156,18 +163,20 @@ def _draw_turns(axes: Axes, result: FloorShapes) -> None:
 
 
 def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
-    orders = np.arange(1, 5)
+    orders = range(1, 5)
     width = 0.26
     for place, (floor, look) in enumerate(zip(result.floors[1:], _LOOKS[1:], strict=True)):
         heights = [math.degrees(floor.harmonic(order)) for order in orders]
-        axes.bar(orders + (place - 0.5) * width, heights, width, color=look["color"], edgecolor=INK, linewidth=0.6)
+        axes.bar(
+            np.add(orders, (place - 0.5) * width), heights, width, color=look["color"], edgecolor=INK, linewidth=0.6
+        )
     axes.set_xticks(orders)
     axes.set_xlabel("harmonic of θ0")
     axes.set_ylabel("amplitude of the turn (°)")
     axes.set_title("Ellipse (dark), trough (blue)")
 
 
-def _draw_resting(axes: Axes, result: FloorShapes, place: int, angle: float) -> object:
+def _draw_resting(axes: Axes, result: FloorShapes, place: int, angle: float) -> AxesImage:
     millimetres = 1e3 * result.reach
     extent = (-millimetres, millimetres, -millimetres, millimetres)
     top = float(np.nanmax(result.resting))

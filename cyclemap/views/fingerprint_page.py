@@ -104,8 +104,8 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
 
 def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
     """Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃ in degrees, as text with three decimals."""
-    names = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase", "bow_amplitude")
-    names += ("bow_phase",)
+    harmonics = [f"{part}_{number}" for part in ("offset", "ellipse", "bow") for number in ("amplitude", "phase")]
+    names = ("turn", *harmonics)
     return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
 
 

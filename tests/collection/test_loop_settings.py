@@ -87,8 +87,8 @@ def test_a_heavier_object_has_less_of_a_shape_and_rests_more_evenly():
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"floor_dome": 1, "rim_share": 0.2}, "shares"),
-        ({"floor_dome": 1, "footprint": "grid:8"}, "support points"),
+        ({"floor_dome": 1, "rim_share": 0.2}, "rim_share=0.2 beside shapes"),
+        ({"floor_dome": 1, "footprint": "grid:8"}, "floor_dome belongs to the exact footprint"),
         ({"floor_dome": 1001}, "rigid"),
         ({"plate_warp": math.nan}, "plate_warp"),
     ],
