@@ -150,7 +150,7 @@ def test_a_point_is_the_limit_of_thin_rods_in_a_notch_that_locks_itself(case):
 
 
 def test_a_push_says_where_another_motion_would_have_been_possible():
-    """In a notch that locks itself the wedge always holds beside the motion that is taken; in an open one nothing does."""
+    """In a notch that locks itself the wedge holds beside the motion that is taken; in an open one nothing does."""
     for opening, expected in ((50.0, True), (70.0, False)):
         for radius in (0.0, 0.002):
             slider = Slider(notched(np.radians(opening), 0.0), hitch=(0.0, -0.03))

@@ -39,7 +39,9 @@ static void rod_centre(const Stroke *r, const Motion *m, const double *state, do
     const double radius = place_of(m) == AT_OUTLINE ? m->p[RADIUS] : 0.0;
     const double own[] = {f[FRAME_X] + radius * normal[X], f[FRAME_Y] + radius * normal[Y]};
     turned(state[THETA], own, centre);
-    turned(state[THETA], normal, by_radius);
+    double rising[] = {normal[X], normal[Y]};
+    if (place_of(m) == AT_WEDGE) wedge_by_radius(r, m->piece, rising);
+    turned(state[THETA], rising, by_radius);
     by_theta[X] = -centre[Y];
     by_theta[Y] = centre[X];
     by_coordinate[X] = -f[FRAME_METRIC] * by_radius[Y];
@@ -131,10 +133,9 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
                      - (by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
                         + by_radius[c] * wider);
         by[POSE_THETA] = now[THETA];
-        /* a point skips the arc that every thicker rod goes around; where wedges lie by the radius
-           is not followed */
-        int skips = loop->object.radius == 0.0 && (m.piece != first || at_corner);
-        if (wider != 0.0 && (r.is_wedged || skips))
+        /* a point skips the arc that every thicker rod goes around, and is no shaft in a wedge */
+        int is_point = loop->object.radius == 0.0;
+        if (wider != 0.0 && is_point && (r.is_wedged || m.piece != first || at_corner))
             by[POSE_X] = by[POSE_Y] = by[POSE_THETA] = NAN;
     }
     for (int c = 0; c < 2; ++c) body->place[c] += before[c] + travel * toward[c] - after[c];
@@ -190,8 +191,8 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
                 v.source[SOURCE_DIRECTION][k] =
                     (toward[Y] * by_ring[k][X] - toward[X] * by_ring[k][Y]) / goes;
                 v.source[SOURCE_SMU][k] = one(loop, k, BY_PIN_FRICTION_RADIUS, 0);
-                v.source[SOURCE_GEOMETRY_X][k] = one(loop, k, BY_HITCH_X, 0);
-                v.source[SOURCE_GEOMETRY_Y][k] = one(loop, k, BY_HITCH_Y, 0);
+                v.source[SOURCE_GEOMETRY_0 + RING_X][k] = one(loop, k, BY_HITCH_X, 0);
+                v.source[SOURCE_GEOMETRY_0 + RING_Y][k] = one(loop, k, BY_HITCH_Y, 0);
             }
         }
         Motion m = motion_of(&r, RING, (int)o->piece_count, 0.0, 0.0);

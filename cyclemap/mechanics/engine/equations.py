@@ -487,10 +487,11 @@ def _edges(frame: ca.SX, p: ca.SX) -> tuple[tuple[ca.SX, ca.SX], tuple[ca.SX, ca
 
 
 def _wedge_margins(frame: ca.SX, p: ca.SX, first: ca.SX, second: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Margins of both contacts: their compressions; but a point's edges may be over half a turn apart.
+    """Margins of both contacts: their compressions; but a point's edges may be over half a turn
+    apart.
 
-    Then the force is between them unless it is in what is left of the turn, where both are positive; it comes there
-    by the edge of that contact which stays.
+    Then the force is between them unless it is in what is left of the turn, where both are
+    positive; it comes there by the edge of that contact which stays.
     """
     _, _, det = _edges(frame, p)
     sense = KINDS["wedge"].of(MOTION.of(p).geometry).sense

@@ -95,12 +95,12 @@ MOTION = Columns(
     f"direction radius smu {LAW.entries} geometry:5 low high "
     "cos_direction sin_direction cos_phi sin_phi",
 )
-# Those by which a motion is differentiated, after its state: of the geometry, the first two
+# Those by which a motion is differentiated, after its state: of the geometry, the first four
 # numbers.
 VARIED = {
     **{name: MOTION.at(name) for name in ("direction", "radius", "smu")},
     **{name: MOTION.at(name) for name in ("mu_a", "mu_b", "m0", "n0", "phi")},
-    **{f"geometry_{axis}": MOTION.at("geometry") + k for k, axis in enumerate("xy")},
+    **{f"geometry_{k}": MOTION.at("geometry") + k for k in range(4)},
 }
 # What a contact begins with, besides the twist and the friction matrix: the constant wrench of the
 # friction ellipse's centre; contact point and normal, approach and travel along of a rod that
