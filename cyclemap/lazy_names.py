@@ -57,7 +57,7 @@ def _source(module: ModuleType) -> str:
     """The text of `module`, wherever its loader has it from."""
     # Asked by its method: the class of loaders that have it takes longer to import than all rooms.
     reader = getattr(module.__spec__ and module.__spec__.loader, "get_source", None)
-    text = None if reader is None else reader(module.__name__)
+    text: str | None = None if reader is None else reader(module.__name__)
     if text is None:
         raise ImportError(f"the source text of {module.__name__} is missing, which tells where its names are")
     return text

@@ -22,6 +22,7 @@ _TRUSTED = 1.0 / 16.0  # of the distance to the next: a bound to first order up 
 _SQUARINGS = 8
 _SPACE = 48  # vectors after which the residuals of an Arnoldi iteration are first looked at
 _CONVERGED = 1e-13  # residual that ends it
+_COPIES = 2  # of one eigenvalue that are found
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,27 +142,33 @@ def _falling(values: Complex) -> Whole:
 def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
     """The leading eigenvalues and vectors by Arnoldi's iteration (1951), residuals checked.
 
-    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never restarted: noise makes
-    eigenvalues fall so fast that some hundred vectors do, and those of a whole basis end it at the latest.
+    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
+    restarted: noise makes eigenvalues fall so fast that some hundred vectors do, and those of a whole
+    basis end it at the latest. It grows from two v, for from one an eigenvalue is found once only.
     """
     size = matrix.shape[0]
-    space, shape = np.zeros((size + 1, size)), np.zeros((size + 1, size))
-    begin = np.random.default_rng(1).standard_normal(size)
-    space[0] = begin / np.linalg.norm(begin)
+    space = np.zeros((size + _COPIES, size))
+    shape = np.zeros((size + _COPIES, size))
+    begin = np.random.default_rng(1).standard_normal((size, _COPIES))
+    space[:_COPIES] = np.linalg.qr(begin)[0].T
     reached, goal, left = 0, max(4 * count, _SPACE), np.inf
     while left > _CONVERGED and reached < size:
         for step in range(reached, min(goal, size)):
             ahead = matrix @ space[step]
+            known = space[: min(step + _COPIES, size)]
             for _ in range(2):  # once leaves parts along the others, where much cancels
-                along = space[: step + 1] @ ahead
-                ahead -= along @ space[: step + 1]
-                shape[: step + 1, step] += along
-            shape[step + 1, step] = np.linalg.norm(ahead)
-            space[step + 1] = ahead / max(shape[step + 1, step], np.finfo(float).tiny)
+                along = known @ ahead
+                ahead -= along @ known
+                shape[: along.size, step] += along
+            if along.size < size:
+                length = float(np.linalg.norm(ahead))
+                shape[along.size, step] = length
+                space[along.size] = ahead / max(length, np.finfo(float).tiny)
         reached, goal = min(goal, size), 2 * goal
         found, inside = np.linalg.eig(shape[:reached, :reached])
         leading = _falling(found)[:count]
-        left = float(np.max(np.abs(shape[reached, reached - 1] * inside[-1, leading])))
+        outside = shape[reached : reached + _COPIES, :reached] @ inside[:, leading]
+        left = float(np.max(np.linalg.norm(outside, axis=0)))
     values, vectors = found[leading], space[:reached].T @ inside[:, leading]
     residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
     if residual > 1e-8:
