@@ -11,8 +11,6 @@ from foreign_tables import Foreign, canonical, loop, thirty
 
 from cyclemap.cli.main import run
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "evidence" / "pushes"))
-
 pytest.importorskip("pandas")
 _MEND = re.compile(r"give ((?:--(?:angles|frame|units) [\w.-]+ ?)+)")
 
