@@ -263,8 +263,8 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
 
     if data.suffix.lower() == CSV_SUFFIX and data.is_file():
         return csv_text(convention.table(read_csv_table(data)))
-    told = {"angles": convention.angles, "frame": convention.frame, "offset_deg": math.degrees(convention.offset)}
-    pushes = load_pushes(data, **told).table
+    offset = math.degrees(convention.offset)
+    pushes = load_pushes(data, angles=convention.angles, frame=convention.frame, offset_deg=offset).table
     return str(pushes.drop(columns=["path", "samples", "dx", "dy"]).to_csv(index=False, lineterminator="\n"))
 
 

@@ -54,11 +54,11 @@ def run_compare(
         title = f"{quantities[0].count} pushes{whose}"
         console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
     if found.orientations is not None:
-        table = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
+        tests = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
         for name, test in found.orientations.tests.items():
             value = f"{math.degrees(test.statistic):.2f}°" if name == "wasserstein" else f"{test.statistic:.3f}"
-            table.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
-        console.print_table(table)
+            tests.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
+        console.print_table(tests)
     console.print(f"picture: {picture}")
 
 

@@ -85,9 +85,9 @@ def run_identify(
         raise ConvergenceError(f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters")
     doubts = implausible(found, collected.loop.slider.outline.extent)
     if doubts and not force:
-        told = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
+        why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
         mend = "look at object, push, units and --angles; with --force it is written all the same"
-        raise CycleMapError(f"no material is written, for this cannot be right: {told}: {mend}")
+        raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
     for words in doubts:
         click.echo(f"warning: this cannot be right: {words}", err=True)
     sources = [f"{path.name} from cycle {first} on" if first else path.name for path in data]

@@ -78,11 +78,11 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
         return ()
-    said, table = [], pushes.table
+    said, table = list[str](), pushes.table
     alone = table[table["dtheta"].isna() & table["theta_next"].notna()]
     if len(alone) == len(table[table["theta_next"].notna()]) and len(alone):
-        pair = (alone[name].to_numpy(dtype=float) for name in ("theta0", "theta_next"))
-        said += check_orientations(*pair, None if loop is None else replace(loop, **_PLAIN), pushes.convention)
+        now, later = (alone[name].to_numpy(dtype=float) for name in ("theta0", "theta_next"))
+        said += check_orientations(now, later, None if loop is None else replace(loop, **_PLAIN), pushes.convention)
     for name, rows in pushes.table.groupby("object", dropna=False, sort=False):
         known = loop
         if isinstance(name, str) and (loop is None or name != file_stem(loop.slider.name)):
@@ -338,7 +338,7 @@ class _Alike(_Predicted):
     def distances(self, reading: _Reading) -> Array:
         """How far each push is from the median of all (n,), m."""
         _, motion, _ = self.written.read(reading)
-        return np.abs(motion - (np.median(motion.real) + 1j * np.median(motion.imag)))
+        return np.asarray(np.abs(motion - (np.median(motion.real) + 1j * np.median(motion.imag))))
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         """The other sense of angles, and other units of them."""

@@ -38,7 +38,7 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
     steps, lengths = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
     shown = forecast if measured is None else measured
     draw_steps(steps, forecast.run.theta if measured is None else measured.path, shown.steps)
-    comparison = forecast.comparison
+    comparison: StepComparison | None = forecast.comparison
     if measured is not None:
         comparison = None if measured.foretold is None else measured.foretold.comparison
     draw_step_lengths(lengths, shown.steps, comparison)

@@ -122,8 +122,8 @@ class Convention:
         if self.is_ours:
             return record
         if isinstance(record, PushRecord):
-            series = [self._series(record.object_pose, True), self._series(record.tip_pose, True)]
-            return PushRecord(*series, self._series(record.ft_wrench, False))
+            poses, tips = self._series(record.object_pose, True), self._series(record.tip_pose, True)
+            return PushRecord(poses, tips, self._series(record.ft_wrench, False))
         return ScanRecord(self._series(record.tip, True), self._series(record.ft_wrench, False))
 
     def _series(self, table: Any, posed: bool) -> Any:

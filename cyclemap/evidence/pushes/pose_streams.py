@@ -33,6 +33,9 @@ _AVERAGED, _MIDDLE = 1.0, 0.3
 _AGREE, _AGREE_LEAST = 5.0, 2e-3
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left out.
 _FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+# Where more rests than this share have the ring at one place, none tells it; then those are home that lie near the
+# first, as a share of how far the others are.
+_ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
 # Pushes, or drags, whose motion is further from the median of its kind than this share of it are of neither kind.
 _ALIKE = 0.35
 
@@ -270,7 +273,20 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
     most = max(count for count, *_ in found)
     # Of those that explain nearly as many the ring nearest to the centre.
     near = [entry for entry in found if entry[0] >= 0.7 * most]
-    return max(near, key=lambda entry: (round(entry[1], 3), entry[0]))[2:]
+    home, sense = max(near, key=lambda entry: (round(entry[1], 3), entry[0]))[2:]
+    if home.mean() > _ALL_HOME:
+        # Locked in: from two poses again and again no ring can be told, and the first one is taken as a push's begin.
+        return _like_the_first(poses), sense
+    return home, sense
+
+
+def _like_the_first(poses: Array) -> Mask:
+    """Which poses lie near to the first, beside how far the others are."""
+    places = np.column_stack([poses[:, :2], _LEVER * np.cos(poses[:, 2]), _LEVER * np.sin(poses[:, 2])])
+    away = np.linalg.norm(places - places[0], axis=1)
+    centre = np.median(places[away < 0.5 * np.median(away[away > 0.5 * away.max()])], axis=0)
+    off = np.linalg.norm(places - centre, axis=1)
+    return np.asarray(off < _NEAR_THE_FIRST * np.median(off[off > 0.5 * off.max()]))
 
 
 def _in_turn(poses: Array) -> tuple[Array, Array, Array, str]:

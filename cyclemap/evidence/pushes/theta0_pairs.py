@@ -145,16 +145,16 @@ def read_theta0_pairs(
     course = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
     number = np.arange(float(course.size))
     by_hand = moved_by_hand(course[:-1], np.diff(course))
-    told = tuple(np.flatnonzero(by_hand).astype(float).tolist())
-    if told:
-        where = ", ".join(f"{one:.0f}" for one in told[:6])
+    moved = tuple(np.flatnonzero(by_hand).astype(float).tolist())
+    if moved:
+        where = ", ".join(f"{one:.0f}" for one in moved[:6])
         line = (
             f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as moved by hand, left out"
         )
         warnings.warn(line, DoubtfulInput, stacklevel=2)
-    dropped = {"moved by hand": len(told)} if told else {}
+    dropped = {"moved by hand": len(moved)} if moved else {}
     kept = ~by_hand
-    return Theta0Pairs(course[:-1][kept], course[1:][kept], course, dropped, number[:-1][kept], number, told)
+    return Theta0Pairs(course[:-1][kept], course[1:][kept], course, dropped, number[:-1][kept], number, moved)
 
 
 def moved_by_hand(theta: Array, turn: Array) -> NDArray[np.bool_]:

@@ -139,8 +139,8 @@ def _orientations(
             pairs = read_theta0_pairs(data)
             if loop is not None:
                 check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
-            known = pairs.path is not None
-            return pairs.path if known else pairs.theta, known, None, 0, False
+            path = pairs.theta if pairs.path is None else pairs.path
+            return path, pairs.path is not None, None, 0, False
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):

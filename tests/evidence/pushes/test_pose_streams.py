@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from foreign_tables import CONVENTIONS, agrees, truth
 
+import cyclemap as cm
 from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.own_tables import read_own_table
 from cyclemap.evidence.pushes.pose_streams import UnclearStream, cut_stream
@@ -85,3 +86,30 @@ def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
     stream = {"t": np.arange(3000) / 30.0, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
     with pytest.raises(DataFileError, match=r"hides its motions|no push in it"):
         cut_stream(tmp_path / "noise.csv", stream)
+
+
+@pytest.mark.parametrize(("noise_mm", "pauses"), [(0.0, ()), (0.3, (1, 11, 12)), (1.0, (5,))])
+def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(tmp_path, noise_mm, pauses) -> None:
+    """Two poses again and again: a pause within a push does not make drags of all that follow it."""
+    loop, rng = cm.CollectionLoop.mit("plywood", accuracy=1e-6), np.random.default_rng(7)
+    theta, frames, starts, rate = 1.0, [], [], 30.0
+    for number in range(30):
+        cycle = loop.cycle(theta)
+        later = cycle.theta_next + math.radians(1.1) * rng.standard_normal()
+        poses = [loop.start_pose(theta), cycle.push.end, loop.start_pose(later)]
+        a, b, c = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
+        share = np.linspace(0.0, 1.0, int(7.5 * rate))
+        if number in pauses:
+            share = np.concatenate([share[share < 0.4], np.full(int(2.5 * rate), 0.4), share[share >= 0.4]])
+        back = np.linspace(0.0, 1.0, int(5.0 * rate))
+        still = int(rate * rng.uniform(0.8, 1.6))
+        frames += [np.repeat(a[None], still, axis=0), a + share[:, None] * (b - a), np.repeat(b[None], still, axis=0)]
+        frames.append(b + back[:, None] * (c - b))
+        starts.append(theta)
+        theta = later
+    table = np.concatenate([*frames, np.repeat(c[None], 40, axis=0)])
+    table = table + noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)]) * rng.standard_normal(table.shape)
+    stream = {"t": np.arange(len(table)) / rate, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    columns, _ = cut_stream(tmp_path / "locked.csv", stream)
+    assert columns["theta0"] == pytest.approx(starts, abs=0.01 + 0.03 * noise_mm)
+    assert np.degrees(columns["theta1"] - columns["theta0"]).min() > 60.0
