@@ -154,6 +154,11 @@ def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array
     def derivative(theta: Array) -> Array:
         return np.where(located(theta)[2], 0.0, circle_map.derivative(theta))
 
+    def slopes(theta: Array) -> tuple[Array, Array]:
+        slope, error = circle_map.derivative_and_error(theta)
+        flat = located(theta)[2]
+        return np.where(flat, 0.0, slope), np.where(flat, 0.0, error)
+
     breaks = np.concatenate([start, end, circle_map.breaks])
     starts, ends, levels, plain = start.tolist(), end.tolist(), level.tolist(), circle_map.scalar()
 
@@ -166,4 +171,5 @@ def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array
         return plain(theta)
 
     claimed = circle_map.max_error + inexact
-    return CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
+    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
+    return made.with_slope_errors(slopes)
