@@ -43,6 +43,9 @@ MAX_WEAR_DEGREE, HARMONICS = 4, 6
 _WIDEST_GAP, _FEWEST_FREE = math.radians(60.0), 6
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
+_LEAST_PAIRS = 8  # fewer do not tell a jump of their turns from a slope
+_NEAR_WHOLE = 0.5  # radians: a change of the turn this near a whole one is one
+_JUMP_SPREADS = 6.0  # or within so many of the usual changes from one angle to the next
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,12 +207,15 @@ def fit_map(
 ) -> FittedMap:
     """Fit the cycle map to measured pairs: the turn θ_next - θ as a Fourier series of θ.
 
-    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn.
+    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn. Where all
+        images lie within one turn, and turns of neighbouring angles differ by whole ones, they were wrapped: whole
+        turns are then added so that neighbours agree, and the middle turn lies in [-π, π).
     cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice of ``harmonics``
         and polynomial degree (``wear_degree`` None chooses up to 4), see ``fit_worn_law``.
     The rest is as in ``fit_periodic_law``.
 
-    Raises InvalidInput for lists of different lengths, values that are not finite, and too few pairs.
+    Raises InvalidInput for lists of different lengths, values that are not finite, too few pairs, and turns that jump
+    by a whole one where images are not all within one turn.
 
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
@@ -217,6 +223,7 @@ def fit_map(
     (0.8, 60)
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
+    images = angles + _without_jumps(angles, images)
     options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics, "seed": seed}
     options["noise_harmonics"] = noise_harmonics
     law = fit_periodic_law(angles, images - angles, **options)
@@ -224,6 +231,32 @@ def fit_map(
         return FittedMap(law)
     wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, **options)
     return FittedMap(law, wear)
+
+
+def _without_jumps(theta: Array, images: Array) -> Array:
+    """The turns of all pairs, those of wrapped images less the whole turns that they jump by."""
+    turn = images - theta
+    if turn.size < _LEAST_PAIRS:
+        return turn
+    order = np.argsort(np.mod(theta, TWO_PI), kind="stable")
+    # From each angle to the next one round the circle: whole turns, and what is left of the change.
+    change = np.diff(turn[order], append=turn[order[0]])
+    whole = np.round(change / TWO_PI)
+    left, jumps = np.abs(change - TWO_PI * whole), whole != 0.0
+    allowed = max(_NEAR_WHOLE, _JUMP_SPREADS * float(np.median(left)))
+    if np.count_nonzero(jumps) < 2 or np.sum(whole) != 0.0 or float(np.median(left[jumps])) > allowed:
+        return turn
+    if np.ptp(images) > TWO_PI:
+        place = float(np.mod(theta[order[int(np.argmax(jumps))]], TWO_PI))
+        raise InvalidInput(
+            f"the turns jump by whole ones, {np.count_nonzero(jumps)} times, first near theta = {place:.4g} rad: give "
+            "theta_next unwrapped, so that theta_next - theta is the turn"
+        )
+    lap = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
+    mended = np.empty_like(turn)
+    mended[order] = turn[order] - TWO_PI * lap
+    middle = float(np.median(mended))
+    return np.asarray(mended - TWO_PI * np.floor((middle + np.pi) / TWO_PI))
 
 
 def map_of_turn(law: PeriodicLaw) -> CircleMap:

@@ -64,7 +64,8 @@ def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None 
     modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
     Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
-    ``WrappedNormal`` below about 0.0045 rad), ConvergenceError when the map is too steep for it.
+    ``WrappedNormal`` below 0.0046 rad), ConvergenceError when the map is too steep or too fine for it, so that more
+    than 400,000 nodes or 2e12 multiplications would be needed, or uniform noise leaves its law unresolved.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
