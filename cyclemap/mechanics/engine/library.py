@@ -107,7 +107,7 @@ def load() -> ctypes.CDLL:
         (table, ctypes.c_double, table, table, number, table),
         None,
     )
-    library.cm_balance.argtypes, library.cm_balance.restype = (table, number, table), number
+    library.cm_balance.argtypes, library.cm_balance.restype = (table, table), number
     library.cm_press.argtypes, library.cm_press.restype = (table, ctypes.c_double, table), None
     return library
 

@@ -94,11 +94,12 @@ def _foundation_tables(footprint: PressedFootprint) -> PressureTables:
         record["side_count"] = len(boundary)
     else:
         boundary = np.array([(outline.semi_x, outline.semi_y)]) / size
+    record["reach"] = np.max(np.sum(boundary**2, axis=1))
     balance = np.zeros((BALANCE_ROWS, BALANCE.size))
     none = np.zeros((0, ROW.size)), np.zeros((0, NODE.size))
     tables = PressureTables(record, *none, boundary, balance)
     packed = np.array(_addressed(tables))
-    if load().cm_balance(packed.ctypes.data, BALANCE_ROWS, _address(balance)) < BALANCE_ROWS:
+    if load().cm_balance(packed.ctypes.data, _address(balance)) < BALANCE_ROWS:
         raise InvalidInput(
             f"the load under {footprint.plate} on {footprint.floor} cannot be balanced: take "
             "smaller numbers for the shapes, or a simpler outline"
