@@ -143,8 +143,14 @@ class CycleSlopes:
         self._lever, self._unit = np.array([model.slider.hitch]), model.unit
         self._push = replace(model.push_strokes(Pose(), loop.push), with_object=True)
         self._drag = replace(model.cycle_strokes(loop.push, loop.reset), length=0.0)
+        pressure = model.pressure
+        # Where the floor's shape varies with the place, a push depends on where it begins, too.
+        self._has_place = isinstance(pressure, PressedFootprint) and pressure.field is not None
         body = (model.slider.outline, model.slider.centre_of_mass, model.footprint)
-        self._ends = _kept_ends(body, model.friction, model.pusher, model.accuracy, loop.push)
+        place = model.slider.hitch if self._has_place else None
+        self._ends = _kept_ends(
+            body, model.friction, model.pusher, model.accuracy, loop.push, place
+        )
 
     def __call__(self, theta: Array) -> tuple[Array, Array]:
         """Return both (n,) at orientations (n,), rad. Raises what the first cycle that fails ends
@@ -155,8 +161,13 @@ class CycleSlopes:
         if new.size:
             # Pushed from the origin, by orientation alone: x, y and theta at the end, then their
             # slopes.
-            poses = np.outer(new, (0.0, 0.0, 1.0))
-            varied = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (new.size, 3, 1))
+            poses, varied = np.outer(new, (0.0, 0.0, 1.0)), np.zeros((new.size, 3, 1))
+            varied[:, 2] = 1.0
+            if self._has_place:
+                _, before = _turned(new, self._lever)
+                poses[:, :2] = -before / self._unit
+                varied[:, 0, 0] = before[:, 1] / self._unit
+                varied[:, 1, 0] = -before[:, 0] / self._unit
             ran = engine.run([self._push], np.zeros(new.size, int), poses, varied)
             _check(ran, [self._push], new)
             found = dict(
@@ -172,9 +183,10 @@ class CycleSlopes:
             ends.update(found)
         pushed = np.array([ends[angle] for angle in theta.tolist()])
         _, ring = _turned(theta, self._lever)
-        pushed[:, :2] += -ring / self._unit
-        pushed[:, 3] += ring[:, 1] / self._unit
-        pushed[:, 4] += -ring[:, 0] / self._unit
+        if not self._has_place:
+            pushed[:, :2] += -ring / self._unit
+            pushed[:, 3] += ring[:, 1] / self._unit
+            pushed[:, 4] += -ring[:, 0] / self._unit
         ran = engine.run(
             [self._drag], np.zeros(theta.size, int), pushed[:, :3], pushed[:, 3:, None]
         )

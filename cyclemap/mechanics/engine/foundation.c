@@ -646,6 +646,51 @@ static void press(const Pressure *pressure, double theta, Pressed *at) {
     if (error > LEAN_SHARE * at->tolerance) correct(pressure, at);
 }
 
+/* The floor's shape at a place, and its derivatives by the place. Beyond the reach it stays what it
+   is at the edge. */
+static void floor_at(const Pressure *pressure, const double *place, double *shape,
+                     double by[SHAPE_SIZE][2]) {
+    double away = size_of(place[X], place[Y]), share = 1.0;
+    if (away > pressure->field_reach) share = pressure->field_reach / away;
+    double x = share * place[X], y = share * place[Y];
+    for (int k = 0; k < SHAPE_SIZE; ++k) {
+        const double *f = pressure->field + FIELD_SIZE * k;
+        shape[k] = pressure->floor[k] + x * (f[FIELD_X] + f[FIELD_XX] * x + f[FIELD_XY] * y)
+            + y * (f[FIELD_Y] + f[FIELD_YY] * y);
+        double along_x = f[FIELD_X] + 2.0 * f[FIELD_XX] * x + f[FIELD_XY] * y;
+        double along_y = f[FIELD_Y] + f[FIELD_XY] * x + 2.0 * f[FIELD_YY] * y;
+        double outward = share < 1.0 ? (along_x * x + along_y * y) / (x * x + y * y) : 0.0;
+        by[k][X] = share * (along_x - outward * x);
+        by[k][Y] = share * (along_y - outward * y);
+    }
+}
+
+/* Rows of a table that is made for one stroke: of rough, usual and fine motions. */
+static const int64_t STROKE_ROWS[] = {24, 96, 360};
+enum { MOST_STROKE_ROWS = 360 };
+
+/* An object where it is: where the floor's shape varies with the place, with that and a table of
+   its own. */
+typedef struct {
+    Object object;
+    Pressed pressed;
+    double by[SHAPE_SIZE][2], table[MOST_STROKE_ROWS * BALANCE_COLUMNS];
+} Ground;
+
+static int varies(const Object *object) { return object->pressure.field_reach > 0.0; }
+
+/* Whether the load could be balanced there. */
+static int stand(const Object *object, const double *place, Ground *ground) {
+    ground->object = *object;
+    begin_pressed(&ground->pressed, object->tolerance);
+    if (!varies(object)) return 1;
+    Pressure *pressure = &ground->object.pressure;
+    floor_at(&object->pressure, place, pressure->floor, ground->by);
+    pressure->table = ground->table;
+    pressure->table_count = STROKE_ROWS[ground->pressed.digits];
+    return cm_balance(pressure, ground->table) == pressure->table_count;
+}
+
 /* For drawings and tests: the pressure at an orientation. */
 EXPORT void cm_press(const Pressure *pressure, double theta, double *quadratic) {
     Pressed at;

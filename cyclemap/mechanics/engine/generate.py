@@ -195,7 +195,7 @@ def _names() -> str:
         *(schema.MOTION, schema.FRAME, schema.MARGIN, schema.MOMENT, schema.REPORT),
         *(schema.PIECE, *schema.KINDS.values(), ROW, *ROW_KINDS.values(), NODE),
         *(schema.TASK, schema.RESULT, schema.OUTPUT, schema.RECORD),
-        *(schema.QUADRATIC, schema.SHAPE, schema.BALANCE),
+        *(schema.QUADRATIC, schema.SHAPE, schema.BALANCE, schema.FIELD),
     )
     modes, parts = schema.MODES, [part.name for part in PARTS]
     shares = [SHARES.index(part.share) if part.share else -1 for part in PARTS]
