@@ -24,9 +24,9 @@ static const double STRAIGHT = 1e-9;
 static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
 enum { MOST_CORRECTIONS = 200 };
 /* The table serves as it is where it is off by less than this share of a motion's tolerance. */
-static const double LEAN_SHARE = 0.01;
-/* Motions up to these tolerances are fine ones, usual ones. */
-static const double FINE = 2e-11, USUAL = 1e-7;
+static const double LEAN_SHARE = 0.1;
+/* The classes of digits serve motions of tolerances above these. */
+static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
 
 /* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
    meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
@@ -50,7 +50,9 @@ typedef struct Pressed {
 
 /* Which of BOUNDARY_REACH serves a tolerance. */
 static int digits_for(double tolerance) {
-    return tolerance > USUAL ? 0 : tolerance > FINE ? 1 : 2;
+    int digits = 0;
+    while (tolerance <= ABOVE[digits]) ++digits;
+    return digits;
 }
 
 static void begin_pressed(Pressed *at, double tolerance) {
@@ -89,7 +91,7 @@ static int is_ellipse(const Pressure *pressure) { return pressure->side_count ==
 
 static int is_inside(const Pressure *pressure, double x, double y) {
     const double *at = pressure->outline;
-    if (x * x + y * y > pressure->reach) return 0;
+    if (!(x * x + y * y <= pressure->reach)) return 0;
     if (is_ellipse(pressure)) return x * x / (at[0] * at[0]) + y * y / (at[1] * at[1]) < 1.0;
     int inside = 0;
     for (int64_t i = 0, j = pressure->side_count - 1; i < pressure->side_count; j = i++) {
@@ -99,14 +101,19 @@ static int is_inside(const Pressure *pressure, double x, double y) {
     return inside;
 }
 
-/* Places where the boundary of the contact changes, in the conic's frame. */
-typedef struct { double u, v, at[2]; } Place;
+/* Places where the boundary of the contact changes, in the conic's frame: on the outline, around
+   which P turns negative (the boundary goes on along the conic) or positive (it comes from there),
+   or inside of it. */
+enum { IS_INNER, IS_START, IS_END };
+typedef struct { double u, v, at[2]; int kind; } Place;
 typedef struct { int count; Place of[MOST_PLACES]; } Places;
 
-static void note(Places *places, double x, double y) {
+static void note(Places *places, double x, double y, int kind) {
     if (places->count < MOST_PLACES) {
-        places->of[places->count].at[0] = x;
-        places->of[places->count].at[1] = y;
+        Place *place = places->of + places->count;
+        place->at[X] = x;
+        place->at[Y] = y;
+        place->kind = kind;
     }
     ++places->count;
 }
@@ -130,7 +137,8 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
     for (int k = 0; k < 2; ++k) {
         double t = root[(root[0] <= root[1]) ? k : 1 - k];
         if (!(t >= 0.0 && t < 1.0)) continue;
-        note(crossings, a[0] + t * ex, a[1] + t * ey);
+        int is_rising = linear + 2.0 * t * square > 0.0;
+        note(crossings, a[0] + t * ex, a[1] + t * ey, is_rising ? IS_END : IS_START);
         stops[count++] = t;
     }
     stops[count++] = 1.0;
@@ -199,8 +207,12 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
     double half = 0.5 * (to - from) / count, weight = cos(half);
     for (int i = 0; i < count; ++i) {
         double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
-        Arc arc = {{semi[0] * cos(low), semi[1] * sin(low)}, {semi[0] * cos(high), semi[1] * sin(high)},
-                   {semi[0] * cos(middle) / weight, semi[1] * sin(middle) / weight}, weight};
+        Arc arc = {
+            .a = {semi[X] * cos(low), semi[Y] * sin(low)},
+            .b = {semi[X] * cos(high), semi[Y] * sin(high)},
+            .c = {semi[X] * cos(middle) / weight, semi[Y] * sin(middle) / weight},
+            .weight = weight,
+        };
         put_arc(at, &arc);
     }
 }
@@ -234,9 +246,10 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     }
     cuts[cut_count] = cuts[0] + 2.0 * M_PI;
     for (int i = 0; i < cut_count; ++i) {
-        note(crossings, semi[0] * cos(cuts[i]), semi[1] * sin(cuts[i]));
         double middle = 0.5 * (cuts[i] + cuts[i + 1]);
-        if (around_at(&e, cos(middle), sin(middle)) > 0.0) add_rims(at, semi, cuts[i], cuts[i + 1]);
+        int kind = around_at(&e, cos(middle), sin(middle)) > 0.0 ? IS_END : IS_START;
+        note(crossings, semi[0] * cos(cuts[i]), semi[1] * sin(cuts[i]), kind);
+        if (kind == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
     }
 }
 
@@ -245,16 +258,16 @@ static ALWAYS_INLINE Lanes all(double x) { return (Lanes){0.0} + x; }
 /* An arc as it is summed: its ends and middle, and by its cross products how it sweeps areas. */
 typedef struct { Lanes weight, x[3], y[3], areas[3]; } Sweep;
 
-static Sweep sweep_of(const Arc *arc) {
-    const double *a = arc->a, *b = arc->b, *c = arc->c;
+static ALWAYS_INLINE Sweep sweep_of(double weight, const double *a, const double *c,
+                                    const double *b) {
     double first = a[X] * (c[Y] - a[Y]) - a[Y] * (c[X] - a[X]);
     double whole = a[X] * (b[Y] - a[Y]) - a[Y] * (b[X] - a[X]);
     double last = c[X] * (b[Y] - c[Y]) - c[Y] * (b[X] - c[X]);
     return (Sweep){
-        all(arc->weight),
+        all(weight),
         {all(a[X]), all(c[X]), all(b[X])},
         {all(a[Y]), all(c[Y]), all(b[Y])},
-        {all(2.0 * arc->weight * first), all(whole), all(2.0 * arc->weight * last)},
+        {all(2.0 * weight * first), all(whole), all(2.0 * weight * last)},
     };
 }
 
@@ -293,7 +306,16 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     double along = (last[0] * ex + last[1] * ey) / turn, cx = -along * first[1], cy = along * first[0];
     double bulge = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
     double bent = p[Q_XX] * cx * cx + 2.0 * p[Q_XY] * cx * cy + p[Q_YY] * cy * cy;
-    Arc whole = {{a[0], a[1]}, {b[0], b[1]}, {a[0] + cx, a[1] + cy}, sqrt(fabs(0.25 * bulge / bent))};
+    Arc whole = {
+        .a = {a[X], a[Y]},
+        .b = {b[X], b[Y]},
+        .c = {a[X] + cx, a[Y] + cy},
+        .weight = sqrt(fabs(0.25 * bulge / bent)),
+    };
+    if (axis_of(whole.weight) >= LEAST_AXIS) {
+        put_arc(at, &whole);
+        return;
+    }
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
     double weight = whole.weight;
@@ -359,46 +381,71 @@ static double branch_at(const Conic *k, double v, double sign) {
     return (root - k->b) / (2.0 * k->a);
 }
 
+static void place_at(const Conic *k, double u, double v, Place *place) {
+    double x = k->cosine * u - k->sine * v, y = k->sine * u + k->cosine * v;
+    *place = (Place){u, v, {x, y}, IS_INNER};
+}
+
+/* Where the conic goes from one branch to the other, inside the outline. */
+static int turns_of(const Pressure *pressure, const Conic *k, Place *turns) {
+    double square = -4.0 * k->a * k->d, linear = -4.0 * k->a * k->e;
+    double level = k->b * k->b - 4.0 * k->a * k->c, inside = linear * linear - 4.0 * square * level;
+    if (!(inside > 0.0)) return 0;
+    double down = -0.5 * (linear + copysign(sqrt(inside), linear));
+    const double at[] = {level / down, down / square};
+    int count = 0;
+    for (int i = 0; i < 2; ++i) {
+        place_at(k, -k->b / (2.0 * k->a), at[i], turns + count);
+        if (is_inside(pressure, turns[count].at[X], turns[count].at[Y])) ++count;
+    }
+    return count;
+}
+
+/* The arcs between the places of one branch, on which P > 0 on the left; u grows with P where
+   `side` is 1, so that v falls along it there, and grows on the other. */
+static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, double side,
+                       Places *branch) {
+    for (int i = 0; i + 1 < branch->count; ++i) {
+        const Place *low = branch->of + i, *high = low + 1;
+        const Place *from = side > 0.0 ? high : low, *to = side > 0.0 ? low : high;
+        int is_begun = from->kind != IS_END, is_ended = to->kind != IS_START;
+        if (is_begun != is_ended) {
+            /* places so close that rounding has them in another order */
+            Place middle;
+            double v = 0.5 * (low->v + high->v);
+            place_at(k, branch_at(k, v, side), v, &middle);
+            is_begun = is_inside(pressure, middle.at[X], middle.at[Y]);
+        }
+        if (is_begun && high->v > low->v) add_arc(at, from->at, to->at);
+    }
+}
+
 /* The arcs of P = 0 inside the outline, from its crossings of it and from where it turns. */
 static void cut_inside(const Pressure *pressure, Pressed *at, const Places *crossings) {
     Conic k = conic_of(at->pressure);
-    double turns[2], square = -4.0 * k.a * k.d, linear = -4.0 * k.a * k.e, level = k.b * k.b - 4.0 * k.a * k.c;
-    double inside = linear * linear - 4.0 * square * level;
-    int turn_count = 0;
-    if (inside > 0.0) {
-        double down = -0.5 * (linear + copysign(sqrt(inside), linear));
-        if (down != 0.0) turns[turn_count++] = level / down;
-        if (square != 0.0) turns[turn_count++] = down / square;
-    }
     /* what does not cross the outline is closed, an ellipse */
-    if (!crossings->count && !(turn_count && k.a * k.d > 0.0)) return;
-    for (int side = -1; side <= 1; side += 2) {
+    if (!crossings->count && !(k.a * k.d > 0.0)) return;
+    Place turns[2];
+    int turn_count = turns_of(pressure, &k, turns);
+    if (!crossings->count && !turn_count) return;
+    for (double side = -1.0; side <= 1.0; side += 2.0) {
         Places branch;
-        branch.count = 0;
+        branch.count = turn_count;
+        memcpy(branch.of, turns, (size_t)turn_count * sizeof *turns);
         for (int i = 0; i < crossings->count; ++i) {
-            const double *place = crossings->of[i].at;
-            double u = k.cosine * place[0] + k.sine * place[1], v = k.cosine * place[1] - k.sine * place[0];
-            if ((2.0 * k.a * u + k.b > 0.0) != (side > 0)) continue;
-            branch.of[branch.count++] = (Place){u, v, {place[0], place[1]}};
+            Place place = crossings->of[i];
+            place.u = k.cosine * place.at[X] + k.sine * place.at[Y];
+            place.v = k.cosine * place.at[Y] - k.sine * place.at[X];
+            if ((2.0 * k.a * place.u + k.b > 0.0) == (side > 0.0)) branch.of[branch.count++] = place;
         }
-        for (int i = 0; i < turn_count + 1; ++i) {
-            double v = i < turn_count ? turns[i] : -k.e / (2.0 * k.d);
-            double u = i < turn_count ? -k.b / (2.0 * k.a) : branch_at(&k, v, side);
-            double x = k.cosine * u - k.sine * v, y = k.sine * u + k.cosine * v;
-            if (!isfinite(x) || !isfinite(y) || branch.count == MOST_PLACES || !is_inside(pressure, x, y)) continue;
-            branch.of[branch.count++] = (Place){u, v, {x, y}};
-        }
+        if (!branch.count) continue;
+        /* halfway between the turns no arc turns by more than a right angle */
+        Place *middle = branch.of + branch.count;
+        double v = -k.e / (2.0 * k.d);
+        place_at(&k, branch_at(&k, v, side), v, middle);
+        if (is_inside(pressure, middle->at[X], middle->at[Y])) ++branch.count;
         sort_places(&branch);
-        for (int i = 0; i + 1 < branch.count; ++i) {
-            const Place *low = branch.of + i, *high = low + 1;
-            double v = 0.5 * (low->v + high->v), u = branch_at(&k, v, side), gradient[2];
-            double x = k.cosine * u - k.sine * v, y = k.sine * u + k.cosine * v;
-            if (!(high->v > low->v) || !isfinite(u) || !is_inside(pressure, x, y)) continue;
-            gradient_at(at->pressure, x, y, gradient);
-            double ex = high->at[0] - low->at[0], ey = high->at[1] - low->at[1];
-            int forward = ex * gradient[1] - ey * gradient[0] > 0.0;
-            add_arc(at, forward ? low->at : high->at, forward ? high->at : low->at);
-        }
+        add_branch(pressure, at, &k, side, &branch);
     }
 }
 
@@ -449,7 +496,7 @@ static int boundary_rule(double axis, int digits) {
 static void arc_moments(const Arc *arc, Lanes *m) {
     int rule = boundary_rule(arc->axis, DIGIT_CLASSES - 1);
     if (rule == BOUNDARY_RULE_COUNT) --rule;
-    Sweep sweep = sweep_of(arc);
+    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
         Lanes node, weight;
         Boundary at;
