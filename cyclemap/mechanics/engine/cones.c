@@ -8,9 +8,9 @@
 /* Panels of arcs that are shorter than this, in 2 s - 1, are summed by the least rule. */
 static const double SHORTEST_PANEL = 1e-12;
 /* By digits: centres of rotation farther than this (extents, velocity plane) are summed place by
-   place, by these rules along a cone and along a side; at 30, 10 and 5 the sums in closed form
-   cancel to 1e-9, 1e-10 and 1e-11. */
-static const double FOUNDATION_FAR[] = {30.0, 20.0, 10.0, 5.0};
+   place, by these rules along a cone and along a side; from near, sums cancel as the third
+   power of the distance. */
+static const double FOUNDATION_FAR[] = {30.0, 20.0, 10.0, 3.0};
 static const int ALONG_CONE[] = {0, 1, 1, 2}, ALONG_SIDE[] = {1, 2, 2, 4};
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
 enum { SUM_SPEED, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY, SUM_SIZE };
@@ -182,7 +182,7 @@ static void add_panels(Cones *c, const Sweep *sweep, double axis, const double c
         add_panels(c, sweep, axis, zeros, middle, high);
         return;
     }
-    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : 0};
+    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
     if (c->f->toward) move_panel(c, sweep, &panel);
     else add_panel(c, sweep, &panel);
 }
@@ -204,6 +204,7 @@ static void add_arc_of(Cones *c, const Arc *arc) {
         return;
     }
     int rule = boundary_rule(arc->axis, c->digits);
+    if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
     Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
         Lanes node, weight;

@@ -486,9 +486,11 @@ static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
     m[OF_YYY] += fy * yy;
 }
 
-/* The first of Gauss's rules that serves an ellipse with this half axis. */
+/* The first of Gauss's rules that serves an ellipse with this half axis. On parabolas, whose poles
+   are at infinity, sums are of degree 8: six nodes at least. */
+enum { LEAST_RULE = 1 };
 static int boundary_rule(double axis, int digits) {
-    int rule = 0;
+    int rule = LEAST_RULE;
     while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
     return rule;
 }
