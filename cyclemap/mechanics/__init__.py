@@ -88,11 +88,11 @@ __all__ += [
     "Footprint",
     "LimitSurface",
     "PatchFootprint",
+    "PointFootprint",
     "PressedFootprint",
     "SurfaceShape",
-    "resting_pressure",
-    "PointFootprint",
     "corner_footprint",
+    "resting_pressure",
 ]
 __all__ += ["grid_footprint", "load_footprint", "parse_footprint", "worn_friction"]
 __all__ += [

@@ -1,4 +1,4 @@
-"""Foundations that are pressed: plates and floors that are not flat, and how a plate rests on one."""
+"""Foundations that are pressed: how a plate rests on a floor when neither is flat."""
 
 import math
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, point
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.outline import Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 # Shapes are told in mean pressures at this distance from the centroid, m.
 SHAPE_RADIUS = 0.05
@@ -49,8 +49,8 @@ class SurfaceShape:
             object.__setattr__(self, name, finite_number(name, getattr(self, name)))
         if max(abs(self.dome), abs(self.bow)) > _STIFFEST:
             raise InvalidInput(
-                f"a dome of {self.dome:g} and a bow of {self.bow:g} mean pressures at 50 mm: beyond "
-                f"{_STIFFEST:g} a foundation is rigid; choose less"
+                f"a dome of {self.dome:g} and a bow of {self.bow:g} mean pressures at 50 mm: "
+                f"beyond {_STIFFEST:g} a foundation is rigid; choose less"
             )
 
     @classmethod
@@ -75,7 +75,7 @@ class SurfaceShape:
         return self.dome == 0.0 and self.bow == 0.0
 
     def scaled(self, factor: float) -> "SurfaceShape":
-        """Return the shape of a foundation that is stiffer by a factor, or of another mean pressure."""
+        """Return the shape of a foundation that is stiffer by a factor, or less loaded."""
         return SurfaceShape(factor * self.dome, factor * self.bow, self.axis)
 
 
@@ -95,7 +95,7 @@ class PressedFootprint:
     outline : what may touch the ground.
     plate, floor : their shapes, in mean pressures.
     centre : centre of mass, m; None: the centroid. InvalidInput outside the outline's convex hull,
-        where the object would tip.
+        where the object would tip, and for support points, which have no area.
 
     From them: extent, m, of the outline; plate_bend, floor_bend (3,), the shapes as the engine has
     them, per unit load and lengths in extents: bend_unit times theirs.
@@ -117,7 +117,17 @@ class PressedFootprint:
 
     def __post_init__(self) -> None:
         outline = self.outline
+        if not isinstance(outline, (Polygon, Ellipse)):
+            raise InvalidInput(
+                "shapes of plate and floor press an outline, not support points: leave out the "
+                "points, or the shapes"
+            )
         centre = outline.centroid if self.centre is None else point("centre of mass", self.centre)
+        if not outline.bears(centre):
+            raise InvalidInput(
+                f"the centre of mass {centre} m lies outside the outline's convex hull: the object "
+                "would tip; give one inside"
+            )
         if isinstance(outline, Polygon) and outline.sides > _MOST_SIDES:
             raise InvalidInput(
                 f"an outline of {outline.sides} corners: shapes of plate and floor take "

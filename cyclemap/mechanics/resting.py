@@ -10,7 +10,8 @@ from cyclemap.mechanics.foundation import PressedFootprint
 
 
 def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLike) -> Array:
-    """Return the pressure under places (..., 2), m, object frame, of an object turned by theta, rad.
+    """Return the pressure under places (..., 2), m, object frame, of an object turned by theta,
+    rad.
 
     In mean pressures, (...); 0 where the object does not rest; places are not asked whether they
     lie under the object. Good to 1e-10 of the mean. Raises InvalidInput for what is not finite.

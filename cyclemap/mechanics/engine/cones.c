@@ -1,9 +1,9 @@
 /* Friction over the contact of a foundation that is pressed (foundation.c).
 
-   The contact is cut into cones from the centre of rotation, where w = 0 (equations.py,
-   _pressed_side): sides are summed in closed form, arcs by Gauss's rule on panels that are short
-   beside their distance from where |w| is singular. From afar cones are taken from the centroid and
-   summed place by place. */
+   The contact's image in the velocity plane is cut into cones from w = 0, the centre of rotation
+   (equations.py, _pressed_side): sides are summed in closed form, arcs by Gauss's rule on panels
+   that are short beside their distance from where |w| is singular. From afar cones are taken from
+   the centroid and summed place by place. */
 
 /* Panels of arcs that are shorter than this, in 2 s - 1, are summed by the least rule. */
 static const double SHORTEST_PANEL = 1e-12;
@@ -260,8 +260,10 @@ static void move_pressed_side(Cones *c, const double *side) {
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */
 static void sums_by_velocity(const double *m, const double *s, double *to) {
-    double ax = m[M_XX] * s[SUM_XX] + m[M_YX] * s[SUM_XY], ay = m[M_XX] * s[SUM_XY] + m[M_YX] * s[SUM_YY];
-    double bx = m[M_XY] * s[SUM_XX] + m[M_YY] * s[SUM_XY], by = m[M_XY] * s[SUM_XY] + m[M_YY] * s[SUM_YY];
+    double ax = m[M_XX] * s[SUM_XX] + m[M_YX] * s[SUM_XY];
+    double ay = m[M_XX] * s[SUM_XY] + m[M_YX] * s[SUM_YY];
+    double bx = m[M_XY] * s[SUM_XX] + m[M_YY] * s[SUM_XY];
+    double by = m[M_XY] * s[SUM_XY] + m[M_YY] * s[SUM_YY];
     to[SUM_SPEED] = s[SUM_SPEED];
     to[SUM_X] = m[M_XX] * s[SUM_X] + m[M_YX] * s[SUM_Y];
     to[SUM_Y] = m[M_XY] * s[SUM_X] + m[M_YY] * s[SUM_Y];
@@ -313,8 +315,8 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
     memcpy(friction, f.friction, (toward ? WRENCH : FRICTION_SIZE) * sizeof(double));
 }
 
-/* Derivatives of the wrench by theta through the pressure, since the floor's shape turns against the
-   plate. */
+/* Derivatives of the wrench by theta through the pressure, since the floor's shape turns against
+   the plate. */
 static void friction_by_turning(const Pressure *pressure, Pressed *at, const double *twist,
                                 const double *m, int is_far, double *by_turning) {
     double turned[SHAPE_SIZE], quadratic[QUADRATIC_SIZE], by[FRICTION_SIZE];

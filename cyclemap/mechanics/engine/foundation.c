@@ -1,5 +1,5 @@
-/* The contact of a foundation that is pressed: p = max(0, P), P = c + l . x + q, q a quadratic of the
-   plate's shape and, turned against it, the floor's; c and l by the balance of load and moment.
+/* The contact of a foundation that is pressed: p = max(0, P), P = c + l . x + q, q a quadratic of
+   the plate's shape and, turned against it, the floor's; c and l by the balance of load and moment.
    Places x are off the outline's centroid, P is per unit load.
 
    The contact, where P > 0, is bounded by stretches of the outline and by arcs of the conic P = 0,
@@ -8,8 +8,8 @@
 enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_PLACES = 64 };
 /* Integrals of monomials over the contact. */
 enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
-/* Load and moments: of 1, x and y. */
-enum { BALANCE_SIZE = 3 };
+/* Load and moments: of 1, x and y; and what balances them, c and l. */
+enum { LOAD, MOMENT_X, MOMENT_Y, BALANCE_SIZE };
 /* Arcs are halved until their axis is this at least. */
 static const double LEAST_AXIS = 1.8;
 enum { MOST_HALVINGS = 6 };
@@ -23,8 +23,13 @@ static const double STRAIGHT = 1e-9;
 /* Loads, of one, that may lack: aimed at, and at the most. */
 static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
 enum { MOST_CORRECTIONS = 200 };
+/* Steps are halved down to this share. */
+static const double SHORTEST_STEP = 1e-6;
 /* The table serves as it is where it is off by less than this share of a motion's tolerance. */
 static const double LEAN_SHARE = 0.1;
+/* A correction by less leaves nothing. */
+static const double WELL_CORRECTED = 3e-8;
+enum { MOST_REPEATS = 3 };
 /* The classes of digits serve motions of tolerances above these. */
 static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
 
@@ -62,15 +67,17 @@ static void begin_pressed(Pressed *at, double tolerance) {
 }
 
 static inline double pressure_at(const double *p, double x, double y) {
-    return p[Q_LEVEL] + x * (p[Q_SLOPE_X] + p[Q_XX] * x + 2.0 * p[Q_XY] * y) + y * (p[Q_SLOPE_Y] + p[Q_YY] * y);
+    double along_x = p[Q_SLOPE_X] + p[Q_XX] * x + 2.0 * p[Q_XY] * y;
+    return p[Q_LEVEL] + x * along_x + y * (p[Q_SLOPE_Y] + p[Q_YY] * y);
 }
 
 static inline void gradient_at(const double *p, double x, double y, double *to) {
-    to[0] = p[Q_SLOPE_X] + 2.0 * (p[Q_XX] * x + p[Q_XY] * y);
-    to[1] = p[Q_SLOPE_Y] + 2.0 * (p[Q_XY] * x + p[Q_YY] * y);
+    to[X] = p[Q_SLOPE_X] + 2.0 * (p[Q_XX] * x + p[Q_XY] * y);
+    to[Y] = p[Q_SLOPE_Y] + 2.0 * (p[Q_XY] * x + p[Q_YY] * y);
 }
 
-/* The quadratic of both shapes at an orientation, in the plate's frame: dome, and the parts of the bow. */
+/* The quadratic of both shapes at an orientation, in the plate's frame: dome, and the parts of the
+   bow. */
 static void shapes_at(const Pressure *pressure, double theta, double *shape) {
     const double *plate = pressure->plate, *floor = pressure->floor;
     double c = cos(2.0 * theta), s = sin(2.0 * theta);
@@ -92,11 +99,12 @@ static int is_ellipse(const Pressure *pressure) { return pressure->side_count ==
 static int is_inside(const Pressure *pressure, double x, double y) {
     const double *at = pressure->outline;
     if (!(x * x + y * y <= pressure->reach)) return 0;
-    if (is_ellipse(pressure)) return x * x / (at[0] * at[0]) + y * y / (at[1] * at[1]) < 1.0;
+    if (is_ellipse(pressure)) return x * x / (at[X] * at[X]) + y * y / (at[Y] * at[Y]) < 1.0;
     int inside = 0;
     for (int64_t i = 0, j = pressure->side_count - 1; i < pressure->side_count; j = i++) {
         const double *a = at + 2 * i, *b = at + 2 * j;
-        if ((a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+        if ((a[Y] > y) == (b[Y] > y)) continue;
+        if (x < a[X] + (y - a[Y]) / (b[Y] - a[Y]) * (b[X] - a[X])) inside = !inside;
     }
     return inside;
 }
@@ -122,7 +130,7 @@ static void note(Places *places, double x, double y, int kind) {
 static void cut_side(Pressed *at, const double *a, const double *b, double first, double last,
                      Places *crossings) {
     const double *p = at->pressure;
-    double ex = b[0] - a[0], ey = b[1] - a[1];
+    double ex = b[X] - a[X], ey = b[Y] - a[Y];
     double square = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
     double linear = last - first - square, root[2] = {-1.0, -1.0}, stops[4] = {0.0};
     double inside = linear * linear - 4.0 * square * first;
@@ -138,7 +146,7 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
         double t = root[(root[0] <= root[1]) ? k : 1 - k];
         if (!(t >= 0.0 && t < 1.0)) continue;
         int is_rising = linear + 2.0 * t * square > 0.0;
-        note(crossings, a[0] + t * ex, a[1] + t * ey, is_rising ? IS_END : IS_START);
+        note(crossings, a[X] + t * ex, a[Y] + t * ey, is_rising ? IS_END : IS_START);
         stops[count++] = t;
     }
     stops[count++] = 1.0;
@@ -147,37 +155,47 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
         if (!(first + middle * (linear + middle * square) > 0.0)) continue;
         if (at->side_count < MOST_SIDES) {
             double *to = at->sides[at->side_count];
-            to[0] = a[0] + stops[k] * ex;
-            to[1] = a[1] + stops[k] * ey;
-            to[2] = a[0] + stops[k + 1] * ex;
-            to[3] = a[1] + stops[k + 1] * ey;
+            to[EDGE_START_X] = a[X] + stops[k] * ex;
+            to[EDGE_START_Y] = a[Y] + stops[k] * ey;
+            to[EDGE_END_X] = a[X] + stops[k + 1] * ex;
+            to[EDGE_END_Y] = a[Y] + stops[k + 1] * ey;
         }
         ++at->side_count;
     }
 }
 
 /* P along an ellipse's rim, (x, y) on the unit circle, and how it changes with the angle. */
-typedef struct { double level, slope[2], bend[3]; } Around;
+typedef struct { double level, slope[2], xx, xy, yy; } Around;
 
 static Around around_of(const double *p, const double *semi) {
-    double a = semi[0], b = semi[1];
-    return (Around){p[Q_LEVEL], {a * p[Q_SLOPE_X], b * p[Q_SLOPE_Y]}, {a * a * p[Q_XX], a * b * p[Q_XY], b * b * p[Q_YY]}};
+    double a = semi[X], b = semi[Y];
+    return (Around){
+        .level = p[Q_LEVEL],
+        .slope = {a * p[Q_SLOPE_X], b * p[Q_SLOPE_Y]},
+        .xx = a * a * p[Q_XX],
+        .xy = a * b * p[Q_XY],
+        .yy = b * b * p[Q_YY],
+    };
 }
 
 static double around_at(const Around *e, double x, double y) {
-    return e->level + x * (e->slope[0] + e->bend[0] * x + 2.0 * e->bend[1] * y) + y * (e->slope[1] + e->bend[2] * y);
+    double along_x = e->slope[X] + e->xx * x + 2.0 * e->xy * y;
+    return e->level + x * along_x + y * (e->slope[Y] + e->yy * y);
 }
 
 static double around_slope(const Around *e, double x, double y) {
-    return x * e->slope[1] - y * e->slope[0] + 2.0 * (e->bend[1] * (x * x - y * y) + (e->bend[2] - e->bend[0]) * x * y);
+    double bent = e->xy * (x * x - y * y) + (e->yy - e->xx) * x * y;
+    return x * e->slope[Y] - y * e->slope[X] + 2.0 * bent;
 }
 
 /* Where a function along the rim changes its sign between two angles. */
-static double zero_between(double (*of)(const Around *, double, double), const Around *e, double low, double high) {
+static double zero_between(double (*of)(const Around *, double, double), const Around *e,
+                           double low, double high) {
     double at_low = of(e, cos(low), sin(low)), at_high = of(e, cos(high), sin(high));
-    for (int i = 0; i < 100 && high - low > 4e-16 * fmax(1.0, fabs(high)); ++i) {
+    enum { MOST_TRIALS = 100, HALVED_AT = 3 };
+    for (int i = 1; i <= MOST_TRIALS && high - low > 4e-16 * fmax(1.0, fabs(high)); ++i) {
         double t = low - at_low * (high - low) / (at_high - at_low);
-        if (i % 3 == 2 || !(low < t && t < high)) t = 0.5 * (low + high);
+        if (i % HALVED_AT == 0 || !(low < t && t < high)) t = 0.5 * (low + high);
         double value = of(e, cos(t), sin(t));
         if (value == 0.0) return t;
         if ((value > 0.0) == (at_low > 0.0)) {
@@ -217,7 +235,8 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
     }
 }
 
-/* The same of an ellipse's rim: P along it has four zeros at most, and one between neighbours of its extremes. */
+/* The same of an ellipse's rim: P along it has four zeros at most, one between neighbours of its
+   extremes. */
 static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     enum { MOST = 2 * RIM_SAMPLES };
     Around e = around_of(at->pressure, semi);
@@ -248,7 +267,7 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     for (int i = 0; i < cut_count; ++i) {
         double middle = 0.5 * (cuts[i] + cuts[i + 1]);
         int kind = around_at(&e, cos(middle), sin(middle)) > 0.0 ? IS_END : IS_START;
-        note(crossings, semi[0] * cos(cuts[i]), semi[1] * sin(cuts[i]), kind);
+        note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kind);
         if (kind == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
     }
 }
@@ -287,23 +306,26 @@ static double axis_of(double weight) {
     return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
 }
 
-/* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle, is that of the arc. */
+/* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle,
+   is that of the arc. */
 static void add_arc(Pressed *at, const double *a, const double *b) {
-    const double *p = at->pressure, ex = b[0] - a[0], ey = b[1] - a[1];
+    const double *p = at->pressure, ex = b[X] - a[X], ey = b[Y] - a[Y];
     double first[2], last[2];
-    gradient_at(p, a[0], a[1], first);
-    gradient_at(p, b[0], b[1], last);
-    double turn = first[0] * last[1] - first[1] * last[0], size = size_of(first[0], first[1]) * size_of(last[0], last[1]);
+    gradient_at(p, a[X], a[Y], first);
+    gradient_at(p, b[X], b[Y], last);
+    double turn = first[X] * last[Y] - first[Y] * last[X];
+    double size = size_of(first[X], first[Y]) * size_of(last[X], last[Y]);
     if (!(fabs(turn) > STRAIGHT_TURN * size)) {
         if (at->side_count < MOST_SIDES) {
-            const double side[] = {a[0], a[1], b[0], b[1]};
+            const double side[] = {a[X], a[Y], b[X], b[Y]};
             memcpy(at->sides[at->side_count], side, sizeof side);
         }
         ++at->side_count;
         return;
     }
     /* c = a + along (-first_y, first_x): off both gradients */
-    double along = (last[0] * ex + last[1] * ey) / turn, cx = -along * first[1], cy = along * first[0];
+    double along = (last[X] * ex + last[Y] * ey) / turn, cx = -along * first[Y];
+    double cy = along * first[X];
     double bulge = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
     double bent = p[Q_XX] * cx * cx + 2.0 * p[Q_XY] * cx * cy + p[Q_YY] * cy * cy;
     Arc whole = {
@@ -319,7 +341,8 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
     double weight = whole.weight;
-    for (; halvings < MOST_HALVINGS && axis_of(weight) < LEAST_AXIS; ++halvings) weight = sqrt(0.5 * (1.0 + weight));
+    for (; halvings < MOST_HALVINGS && axis_of(weight) < LEAST_AXIS; ++halvings)
+        weight = sqrt(0.5 * (1.0 + weight));
     for (int i = 0; i < 1 << halvings; ++i) {
         Arc arc = whole;
         for (int level = halvings - 1; level >= 0; --level) {
@@ -327,7 +350,8 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
             Arc half = arc;
             int later = i >> level & 1;
             for (int k = 0; k < 2; ++k) {
-                double before = share * (arc.a[k] + arc.weight * arc.c[k]), after = share * (arc.b[k] + arc.weight * arc.c[k]);
+                double before = share * (arc.a[k] + arc.weight * arc.c[k]);
+                double after = share * (arc.b[k] + arc.weight * arc.c[k]);
                 *(later ? half.a + k : half.b + k) = 0.5 * (before + after);
                 half.c[k] = later ? after : before;
             }
@@ -347,7 +371,8 @@ static void sort_places(Places *places) {
     }
 }
 
-/* The conic in a frame of its own: P = a u^2 + b u + d v^2 + e v + c, |a| >= |d|, so that u is a root along v. */
+/* The conic in a frame of its own: P = a u^2 + b u + d v^2 + e v + c, |a| >= |d|, so that u is a
+   root along v. */
 typedef struct { double cosine, sine, a, b, c, d, e; } Conic;
 
 static Conic conic_of(const double *p) {
@@ -436,7 +461,8 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
             Place place = crossings->of[i];
             place.u = k.cosine * place.at[X] + k.sine * place.at[Y];
             place.v = k.cosine * place.at[Y] - k.sine * place.at[X];
-            if ((2.0 * k.a * place.u + k.b > 0.0) == (side > 0.0)) branch.of[branch.count++] = place;
+            int is_here = (2.0 * k.a * place.u + k.b > 0.0) == (side > 0.0);
+            if (is_here) branch.of[branch.count++] = place;
         }
         if (!branch.count) continue;
         /* halfway between the turns no arc turns by more than a right angle */
@@ -511,16 +537,21 @@ static void arc_moments(const Arc *arc, Lanes *m) {
 
 /* Of the contact. Along a side Gauss's rule of four nodes is exact, two at a time. */
 static void take_moments(Pressed *at) {
-    static const double outer = 0.8611363115940526, inner = 0.3399810435848563, outer_weight = 0.3478548451374538;
-    const Lanes places[] = {{0.5 - 0.5 * outer, 0.5 + 0.5 * outer}, {0.5 - 0.5 * inner, 0.5 + 0.5 * inner}};
+    static const double outer = 0.8611363115940526, outer_weight = 0.3478548451374538;
+    static const double inner = 0.3399810435848563;
+    const Lanes places[] = {
+        {0.5 - 0.5 * outer, 0.5 + 0.5 * outer},
+        {0.5 - 0.5 * inner, 0.5 + 0.5 * inner},
+    };
     const double weights[] = {0.5 * outer_weight, 0.5 - 0.5 * outer_weight};
     Lanes m[MONOMIALS] = {{0.0}};
     for (int i = 0; i < at->side_count; ++i) {
         const double *side = at->sides[i];
-        double ex = side[2] - side[0], ey = side[3] - side[1], cross = side[0] * ey - side[1] * ex;
+        double x = side[EDGE_START_X], ex = side[EDGE_END_X] - x;
+        double y = side[EDGE_START_Y], ey = side[EDGE_END_Y] - y, cross = x * ey - y * ex;
         for (int j = 0; j < 2; ++j) {
             Lanes share = (Lanes){0.0} + weights[j] * cross;
-            Boundary on = {side[0] + places[j] * ex, side[1] + places[j] * ey, share};
+            Boundary on = {x + places[j] * ex, y + places[j] * ey, share};
             add_monomials(m, &on);
         }
     }
@@ -531,44 +562,54 @@ static void take_moments(Pressed *at) {
 
 /* Load and moments (3) of a quadratic over the contact. */
 static void loads_of(const double *m, const double *p, double *to) {
-    double xy = 2.0 * p[Q_XY];
-    to[0] = p[Q_LEVEL] * m[OF_1] + p[Q_SLOPE_X] * m[OF_X] + p[Q_SLOPE_Y] * m[OF_Y] + p[Q_XX] * m[OF_XX] + xy * m[OF_XY] + p[Q_YY] * m[OF_YY];
-    to[1] = p[Q_LEVEL] * m[OF_X] + p[Q_SLOPE_X] * m[OF_XX] + p[Q_SLOPE_Y] * m[OF_XY] + p[Q_XX] * m[OF_XXX] + xy * m[OF_XXY] + p[Q_YY] * m[OF_XYY];
-    to[2] = p[Q_LEVEL] * m[OF_Y] + p[Q_SLOPE_X] * m[OF_XY] + p[Q_SLOPE_Y] * m[OF_YY] + p[Q_XX] * m[OF_XXY] + xy * m[OF_XYY] + p[Q_YY] * m[OF_YYY];
+    /* of each monomial, those of it times 1, x and y */
+    static const int of[QUADRATIC_SIZE][BALANCE_SIZE] = {
+        [Q_LEVEL] = {OF_1, OF_X, OF_Y},      [Q_SLOPE_X] = {OF_X, OF_XX, OF_XY},
+        [Q_SLOPE_Y] = {OF_Y, OF_XY, OF_YY},  [Q_XX] = {OF_XX, OF_XXX, OF_XXY},
+        [Q_XY] = {OF_XY, OF_XXY, OF_XYY},    [Q_YY] = {OF_YY, OF_XYY, OF_YYY},
+    };
+    for (int k = 0; k < BALANCE_SIZE; ++k) {
+        to[k] = p[Q_XY] * m[of[Q_XY][k]];
+        for (int j = 0; j < QUADRATIC_SIZE; ++j) to[k] += p[j] * m[of[j][k]];
+    }
 }
 
 /* c and l (3) whose load and moments over the contact are these. */
 static void lean_for(const double *m, const double *load, double *to) {
     /* symmetric: rows 1, x, y */
-    double a = m[OF_XX] * m[OF_YY] - m[OF_XY] * m[OF_XY], b = m[OF_Y] * m[OF_XY] - m[OF_X] * m[OF_YY], c = m[OF_X] * m[OF_XY] - m[OF_Y] * m[OF_XX];
+    double a = m[OF_XX] * m[OF_YY] - m[OF_XY] * m[OF_XY];
+    double b = m[OF_Y] * m[OF_XY] - m[OF_X] * m[OF_YY];
+    double c = m[OF_X] * m[OF_XY] - m[OF_Y] * m[OF_XX];
     double det = m[OF_1] * a + m[OF_X] * b + m[OF_Y] * c;
-    double d = m[OF_1] * m[OF_YY] - m[OF_Y] * m[OF_Y], e = m[OF_X] * m[OF_Y] - m[OF_1] * m[OF_XY], f = m[OF_1] * m[OF_XX] - m[OF_X] * m[OF_X];
-    to[0] = (a * load[0] + b * load[1] + c * load[2]) / det;
-    to[1] = (b * load[0] + d * load[1] + e * load[2]) / det;
-    to[2] = (c * load[0] + e * load[1] + f * load[2]) / det;
+    double d = m[OF_1] * m[OF_YY] - m[OF_Y] * m[OF_Y], e = m[OF_X] * m[OF_Y] - m[OF_1] * m[OF_XY];
+    double f = m[OF_1] * m[OF_XX] - m[OF_X] * m[OF_X];
+    to[LOAD] = (a * load[LOAD] + b * load[MOMENT_X] + c * load[MOMENT_Y]) / det;
+    to[MOMENT_X] = (b * load[LOAD] + d * load[MOMENT_X] + e * load[MOMENT_Y]) / det;
+    to[MOMENT_Y] = (c * load[LOAD] + e * load[MOMENT_X] + f * load[MOMENT_Y]) / det;
 }
 
 /* What load and moments lack (3), and c and l that would make it up. */
 static double lacking(const Pressure *pressure, const Pressed *at, double *step) {
-    double load[3];
+    double load[BALANCE_SIZE];
     loads_of(at->moments, at->pressure, load);
-    for (int k = 0; k < 3; ++k) load[k] = (k ? pressure->centre[k - 1] : 1.0) - load[k];
+    for (int k = 0; k < BALANCE_SIZE; ++k) load[k] = (k ? pressure->centre[k - 1] : 1.0) - load[k];
     lean_for(at->moments, load, step);
-    return fmax(fabs(load[0]), fmax(fabs(load[1]), fabs(load[2])));
+    return fmax(fabs(load[LOAD]), fmax(fabs(load[MOMENT_X]), fabs(load[MOMENT_Y])));
 }
 
-/* Balances load and moments from the c and l at hand by Newton's method on a convex function; whether that came to an end. */
+/* Balances load and moments from the c and l at hand by Newton's method on a convex function;
+   whether that came to an end. */
 static int balance(const Pressure *pressure, Pressed *at) {
-    double step[3], tried[3], left;
+    double step[BALANCE_SIZE], tried[BALANCE_SIZE], left;
     if (!cut(pressure, at)) return 0;
     take_moments(at);
     left = lacking(pressure, at, step);
     for (int i = 0; i < MOST_CORRECTIONS && left > BALANCED; ++i) {
         double share = 1.0, now = INFINITY;
         memcpy(tried, at->pressure, sizeof tried);
-        for (; share > 1e-6; share *= 0.5) {
-            double next[3];
-            for (int k = 0; k < 3; ++k) at->pressure[k] = tried[k] + share * step[k];
+        for (; share > SHORTEST_STEP; share *= 0.5) {
+            double next[BALANCE_SIZE];
+            for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = tried[k] + share * step[k];
             if (!cut(pressure, at)) return 0;
             take_moments(at);
             now = at->moments[OF_1] > 0.0 ? lacking(pressure, at, next) : INFINITY;
@@ -587,12 +628,12 @@ static int balance(const Pressure *pressure, Pressed *at) {
 static void slopes_of(Pressed *at) {
     if (!at->has_moments) take_moments(at);
     for (int k = 0; k < SHAPE_SIZE; ++k) {
-        double shape[SHAPE_SIZE] = {0.0}, load[3], *to = at->by_shape[k];
+        double shape[SHAPE_SIZE] = {0.0}, load[BALANCE_SIZE], *to = at->by_shape[k];
         shape[k] = 1.0;
-        memset(to, 0, 3 * sizeof(double));
+        memset(to, 0, BALANCE_SIZE * sizeof(double));
         bend(to, shape);
         loads_of(at->moments, to, load);
-        for (int j = 0; j < 3; ++j) load[j] = -load[j];
+        for (int j = 0; j < BALANCE_SIZE; ++j) load[j] = -load[j];
         lean_for(at->moments, load, to);
     }
     at->has_slopes = 1;
@@ -692,7 +733,9 @@ static void press(const Pressure *pressure, double theta, Pressed *at) {
     at->theta = theta;
     at->is_known = 1;
     at->has_moments = at->has_slopes = 0;
-    if (error > LEAN_SHARE * at->tolerance) correct(pressure, at);
+    if (error <= LEAN_SHARE * at->tolerance) return;
+    double enough = fmax(at->tolerance, WELL_CORRECTED);
+    for (int i = 0; i < MOST_REPEATS && correct(pressure, at) > enough; ++i) cut(pressure, at);
 }
 
 /* For drawings and tests: the pressure at an orientation. */

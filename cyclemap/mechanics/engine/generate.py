@@ -96,8 +96,8 @@ MIDDLE_VALUE = (
     ),
 )
 PANEL_ORDER = 12
-# Gauss's rules along what bounds a contact, and the exponents of their errors that are asked for: of
-# rough, usual and fine motions.
+# Gauss's rules along what bounds a contact, and the exponents of their errors that are asked for,
+# of rough to fine motions.
 BOUNDARY_RULES, BOUNDARY_DIGITS = (4, 6, 8, 10, 12, 16, 24), (18.0, 21.5, 25.0, 31.0)
 # Places on an ellipse's rim between which a pressure is looked at.
 RIM_SAMPLES = 32
@@ -141,7 +141,9 @@ def _lanes_code(name: str, function: ca.Function) -> str:
         operation = function.instruction_id(index)
         read, written = function.instruction_input(index), function.instruction_output(index)
         if operation == ca.OP_CONST:
-            lines.append(f"    a{written[0]} = (Lanes){{0.0}} + {function.instruction_constant(index)!r};")
+            lines.append(
+                f"    a{written[0]} = (Lanes){{0.0}} + {function.instruction_constant(index)!r};"
+            )
         elif operation == ca.OP_INPUT:
             lines.append(f"    a{written[0]} = given[{read[1]}];")
         elif operation == ca.OP_OUTPUT:

@@ -171,7 +171,12 @@ PRESSURE = Structure(
         *(("first_row", "whole", len(PARTS) + 1), ("first_node", "whole", len(PARTS) + 1)),
         *(("rows", "table", 0), ("nodes", "table", 0), ("plate", "number", SHAPE.size)),
         *(("floor", "number", SHAPE.size), ("centre", "number", 2), ("side_count", "whole", 0)),
-        *(("reach", "number", 0), ("table_count", "whole", 0), ("outline", "table", 0), ("table", "table", 0)),
+        *(
+            ("reach", "number", 0),
+            ("table_count", "whole", 0),
+            ("outline", "table", 0),
+            ("table", "table", 0),
+        ),
     ),
 )
 # What is pushed with what: shared by many strokes, and never written. pieces: of the contact curve,
