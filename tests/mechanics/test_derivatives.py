@@ -139,7 +139,7 @@ def differenced(loop, theta, name):
 def assert_differences(loop, theta):
     """Of all columns that are no nan; returns their names."""
     found, checked = loop.sensitivity(theta), []
-    assert found.parameters == PARAMETERS and found.outputs == CYCLE_OUTPUTS and len(PARAMETERS) == 17
+    assert found.parameters == PARAMETERS and found.outputs == CYCLE_OUTPUTS and len(PARAMETERS) == 23
     for name, column in zip(PARAMETERS, found.jacobian.T, strict=True):
         # Stick and slip part at zero friction: there is no derivative.
         if np.isnan(column).all() or (name == "pusher_friction" and loop.pusher.friction == 0.0):
