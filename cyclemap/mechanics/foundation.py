@@ -9,7 +9,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, point, positive_number
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.outline import Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 # Shapes are told in mean pressures at this distance from the centroid, m.
 SHAPE_RADIUS = 0.05
@@ -170,7 +170,17 @@ class PressedFootprint:
 
     def __post_init__(self) -> None:
         outline = self.outline
+        if not isinstance(outline, (Polygon, Ellipse)):
+            raise InvalidInput(
+                "shapes of plate and floor press an outline, not support points: leave out the "
+                "points, or the shapes"
+            )
         centre = outline.centroid if self.centre is None else point("centre of mass", self.centre)
+        if not outline.bears(centre):
+            raise InvalidInput(
+                f"the centre of mass {centre} m lies outside the outline's convex hull: the object "
+                "would tip; give one inside"
+            )
         if isinstance(outline, Polygon) and outline.sides > _MOST_SIDES:
             raise InvalidInput(
                 f"an outline of {outline.sides} corners: shapes of plate and floor take "
