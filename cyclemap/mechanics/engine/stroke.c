@@ -150,9 +150,8 @@ static int leaves_along(Stroke *r, Motion *m, int piece, int forward, double the
     double state[] = {theta, at[forward ? PIECE_LOW : PIECE_HIGH]}, row[ROW], report[REPORT];
     *m = motion_of(r, STICK, piece, 0.0, 0.0);
     if (touch_of(r, m, state).approach <= 0.0 || first_motion(r, m, state) < 0) return 0;
-    /* at a vertex a point that sticks to one side sticks to both */
-    if (r->object->radius == 0.0 && m->mode == STICK) return 0;
     if (evaluate(r, m, state, row, report) < 0) return 0;
+    /* a point that sticks to one side of a vertex sticks to both: its rate is zero */
     double rate = row[SLOPE + COORDINATE];
     return report[NORMAL_FORCE] >= 0.0 && (forward ? rate > 0.0 : rate < 0.0);
 }
