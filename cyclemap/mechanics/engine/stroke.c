@@ -82,7 +82,7 @@ static int delays(Stroke *r, Motion *m, const double *row, double *later) {
     return 1;
 }
 
-/* Derivative by the rod's radius of its centre c in a wedge: n . c grows by one for both normals. */
+/* Derivative by the rod's radius of its centre c in a wedge: n . c grows by one for both n. */
 static void wedge_by_radius(const Stroke *r, int wedge, double *centre) {
     const double *at = piece_of(r, wedge) + PIECE_GEOMETRY;
     double first = at[WEDGE_FIRST_NORMAL], second = at[WEDGE_SECOND_NORMAL];
@@ -173,8 +173,8 @@ static int turns_about(Stroke *r, Motion *m, int wedge, int mode, double theta) 
     return row[MARGIN + FIRST] >= 0.0 && row[MARGIN + SECOND] >= 0.0;
 }
 
-/* Whether a notch locks itself: two forces along the line through both contacts are in both cones, so
-   that squeezing holds any load. */
+/* Whether a notch locks itself: two forces along the line through both contacts are in both cones,
+   so that squeezing holds any load. */
 static int locks(const Stroke *r, int wedge, double theta) {
     double state[] = {theta, 0.0};
     Motion m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
