@@ -171,7 +171,7 @@ WEDGES = (
     (NOTCH, (0.002, 0.15), SidePush(3, 0.231, 0.912, 0.1), 0.8, "slide_right"),
     (NOTCH, (0.002, 0.3), SidePush(2, 0.754, -1.048, 0.1), 1.7, "wedge_right"),
     (SLOT, (0.00475, 0.05), SidePush(2, 0.99, -0.4, 0.08), 0.5, "slide_left"),
-    (NOTCH, (0.00475, 0.45), SidePush(2, 0.93, -0.4636, 0.08), 0.2, "wedge_right"),
+    (NOTCH, (0.00475, 0.45), SidePush(2, 0.93, -0.4636, 0.08), 0.2, "slide_right"),
 )
 
 
