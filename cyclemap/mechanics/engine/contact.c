@@ -3,9 +3,9 @@
 enum { STICK, SLIDE_LEFT, SLIDE_RIGHT, SLIDE_FREE, RING, RING_LEFT, RING_RIGHT, RING_STUCK, WEDGE_LEFT, WEDGE_RIGHT,
        WEDGE_STUCK };
 /* Margins: where one falls below zero a contact changes. */
-enum { APPROACH, AFTER_LOW, BEFORE_HIGH, FIRST, SECOND, MARGINS };
+enum { APPROACH, AFTER_LOW, BEFORE_HIGH, FIRST, SECOND, RESTS, MARGINS };
 /* Rows of a motion: state, slope by the rod's travel, margins, unknowns. */
-enum { STATE = 0, SLOPE = 2, MARGIN = 4, UNKNOWN = 9, ROW = 11 };
+enum { STATE = 0, SLOPE = 2, MARGIN = 4, UNKNOWN = 10, ROW = 12 };
 /* What one Newton iteration reports besides. */
 enum { CORRECTION, RESIDUAL, NORMAL_FORCE, TANGENTIAL_FORCE, REPORT };
 /* Why a stroke ends, and why it cannot go on. */
@@ -46,6 +46,10 @@ typedef struct {
 typedef struct {
     int mode, piece;
     double p[PARAMETERS], z[2];
+    /* the support point by whose velocity z is told, or -1; on which side it passes; whether it rests (rest.c) */
+    int64_t watched;
+    double side;
+    int rests;
     /* at the start of a step: derivatives of the unknowns by the state, and those of the slopes */
     double toward[4], reached[2 * (2 + MOST_VARIED)];
     int has_tangent, has_reached;
@@ -58,7 +62,9 @@ static int slides(const Motion *m) { return SLIDE_LEFT <= m->mode && m->mode <= 
 static int is_held(const Motion *m) { return m->mode == RING_STUCK || m->mode == WEDGE_STUCK; }
 
 /* Whether the contact changes where a margin falls below zero: not in the ring, nor where the object is held. */
-static int has_margins(const Motion *m) { return m->mode < RING || m->mode == WEDGE_LEFT || m->mode == WEDGE_RIGHT; }
+static int has_margins(const Motion *m) {
+    return m->mode < RING || m->mode == WEDGE_LEFT || m->mode == WEDGE_RIGHT || m->watched >= 0;
+}
 
 static int law_of(const Motion *m) {
     if (m->mode >= WEDGE_LEFT) return LAW_WEDGE;
@@ -82,7 +88,7 @@ static void face(Motion *m) {
 
 static Motion motion_of(const Stroke *r, int mode, int piece, double z0, double z1) {
     const Object *o = r->object;
-    Motion m = {.mode = mode, .piece = piece, .z = {z0, z1}};
+    Motion m = {.mode = mode, .piece = piece, .z = {z0, z1}, .watched = -1};
     m.p[DIRECTION] = r->direction;
     m.p[1] = RING <= mode && mode <= RING_STUCK ? 0.0 : o->radius;
     m.p[2] = SIGN[mode] * r->friction;
@@ -106,10 +112,17 @@ static void finish(const Motion *m, const Begun *b, const double *z, const doubl
     FINISH[law_of(m)](given, results, 0, 0, 0);
 }
 
+static double iterate_watched(Stroke *r, const Motion *m, const double *state, const double *unknown, double *row,
+                              double *report);
+static double iterate_resting(Stroke *r, const Motion *m, const double *state, double *row, double *report);
+static int evaluate_watched(Stroke *r, Motion *m, const double *state, double *row, double *report);
+
 /* One Newton iteration: the row of the motion at a state, its unknowns corrected. Returns the size of the residual. */
 static double iterate(Stroke *r, const Motion *m, const double *state, const double *z, double *row, double *report) {
     Begun b;
     double wrench[9];
+    if (m->rests) return iterate_resting(r, m, state, row, report);
+    if (m->watched >= 0) return iterate_watched(r, m, state, z, row, report);
     begin(r, m, state, z, &b);
     friction_at(&r->object->pressure, b.twist, b.matrix, &r->is_far, wrench);
     finish(m, &b, z, wrench, row, report);
@@ -225,41 +238,39 @@ static const double *support(const Stroke *r, int64_t index) {
     return p->rows + ROW_COLUMNS * (p->first_row[part_of_points(r)] + index);
 }
 
-/* Slip about one support point: spin and slip in z, and forces; whether friction could hold it there. */
-static int slips_about(const Stroke *r, const Motion *m, const double *state, int64_t index, double *z, double *force) {
-    const double *pin = support(r, index) + ROW_GEOMETRY, smu = m->p[2];
+/* Slip about one support point: spin and slip in z, forces, and what of the point's friction holds it there: w's
+   direction as it sets out, times the share that is needed. Returns what share of it is left, -inf where none would do. */
+static double slips_about(const Stroke *r, const Motion *m, const double *state, int64_t index, double *z, double *force,
+                          double *holding) {
+    const double *row = support(r, index), *pin = row + ROW_GEOMETRY, smu = m->p[2], still[2] = {0.0, 0.0};
     Begun b;
-    const double still[2] = {0.0, 0.0};
     begin(r, m, state, still, &b);
     const double *f = b.frame;
     double c = f[5], s = f[6], x = f[3] - pin[0], y = f[4] - pin[1];
     double inward = c * y - s * x, dx = -c - smu * s, dy = -s + smu * c, arm = x * dy - y * dx;
-    if (inward == 0.0 || arm == 0.0) return 0;
+    if (inward == 0.0 || arm == 0.0) return -INFINITY;
     z[0] = 1.0 / inward;
     z[1] = z[0] * (c * x + s * y);
     begin(r, m, state, z, &b);
     /* the friction of all others, and its torque about the point */
     const Pressure *p = &r->object->pressure;
-    double wrench[9], load = support(r, index)[ROW_LOAD] * p->load[part_of_points(r)];
+    double wrench[9], load = row[ROW_LOAD] * p->load[part_of_points(r)];
     int is_far = 0;
-    friction_at(p, b.twist, b.matrix, &is_far, wrench);
-    Friction own;
-    begin_sums(&own, b.twist, b.matrix, 0);
-    const double alone[] = {pin[0], pin[1], 1.0};
-    add_points(&own, alone, 1, 3, 0, 2, load);
-    double fx = wrench[0] - own.wrench[0], fy = wrench[1] - own.wrench[1], turning = wrench[2] - own.wrench[2];
-    double gx = fx + f[0], gy = fy + f[1], torque = turning + f[2] - (pin[0] * gy - pin[1] * gx);
+    friction_without(p, b.twist, b.matrix, &is_far, row, wrench);
+    double gx = wrench[0] + f[0], gy = wrench[1] + f[1], torque = wrench[2] + f[2] - (pin[0] * gy - pin[1] * gx);
     double size = torque / arm;
     force[0] = size;
     force[1] = size * smu;
     /* what is left for the point lies within its own ellipse: |M^-T rest| <= load */
-    double px = size * dx - gx, py = size * dy - gy, *n = b.matrix, det = n[0] * n[3] - n[1] * n[2];
-    return size > 0.0 && hypot(n[3] * px - n[1] * py, n[0] * py - n[2] * px) <= load * fabs(det);
+    double px = size * dx - gx, py = size * dy - gy, *n = b.matrix, all = load * (n[0] * n[3] - n[1] * n[2]);
+    holding[0] = (n[3] * px - n[1] * py) / all;
+    holding[1] = (n[0] * py - n[2] * px) / all;
+    return size > 0.0 && !is_far ? 1.0 - hypot(holding[0], holding[1]) : -INFINITY;
 }
 
 static int settled_about(Stroke *r, Motion *m, const double *state, int64_t index, double *row, double *report) {
-    double z[2], force[2];
-    if (index < 0 || !slips_about(r, m, state, index, z, force)) return 0;
+    double z[2], force[2], holding[2];
+    if (index < 0 || slips_about(r, m, state, index, z, force, holding) < 0.0) return 0;
     r->pinned = index;
     memcpy(m->z, z, sizeof z);
     settle_with(r, m, state, force, row, report);
@@ -341,6 +352,7 @@ static int evaluate(Stroke *r, Motion *m, const double *state, double *row, doub
         report[CORRECTION] = report[RESIDUAL] = 0.0;
         return 1;
     }
+    if (m->watched >= 0) return evaluate_watched(r, m, state, row, report);
     if (slides(m) && r->pinned >= 0 && settled_about(r, m, state, r->pinned, row, report)) return 1;
     for (int i = 0;; ++i) {
         double residual = iterate(r, m, state, m->z, row, report);

@@ -4,6 +4,7 @@
    pressure.c  wrench and Hessian of friction: what edges, lines and points add, whole footprints, their derivatives
    ellipse.c   what elliptic patches and rims add
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns, solved until certain
+   rest.c      support points that come to rest
    step.c      one step of a motion, its error, its length, and how its end varies with its start and parameters
    phase.c     a motion until its contact changes
    stroke.c    phases joined: whole pushes and drags
@@ -40,6 +41,7 @@ static double fast_log1p(double x) {
 #include "pressure.c"
 #include "ellipse.c"
 #include "contact.c"
+#include "rest.c"
 #include "step.c"
 #include "phase.c"
 #include "stroke.c"

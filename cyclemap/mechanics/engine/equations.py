@@ -328,7 +328,8 @@ def _rate(law: str, frame: ca.SX, p: ca.SX, z: ca.SX) -> tuple[ca.SX, ca.SX, ca.
 def _finish(law: str) -> ca.Function:
     """(frame, parameters, unknowns, wrench and Hessian 9) -> row, report.
 
-    row: slope (2), margins (5: approach, room after low and before high, two of the law), corrected unknowns (2).
+    row: slope (2), margins (6: approach, room after low and before high, two of the law, one of points that rest),
+    corrected unknowns (2).
     report: the correction (maximum norm), the residual, the two forces.
     """
     count = UNKNOWNS[law]
@@ -352,7 +353,8 @@ def _finish(law: str) -> ca.Function:
         "wedge": (first, second),
     }[law]
     ends = (1, 1, 1) if law in ("turn", "wedge") else (frame[7], frame[10], frame[11])
-    row = ca.vertcat(theta_rate, rate, *ends, *margins, corrected, *(0,) * (2 - count))
+    # The margin of a support point that rests is not told here.
+    row = ca.vertcat(theta_rate, rate, *ends, *margins, 1, corrected, *(0,) * (2 - count))
     size = residual if count == 1 else ca.sqrt(residual[0] ** 2 + residual[1] ** 2)
     report = ca.vertcat(ca.mmax(ca.fabs(step)), size, first, second)
     return function_of(f"finish_{law}", [frame, p, z, given], [row, report])

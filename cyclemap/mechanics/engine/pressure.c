@@ -22,6 +22,7 @@ typedef struct {
 typedef struct {
     const double *twist, *matrix, *toward;
     double scale; /* of patches: the area over the image's */
+    const double *apart; /* the row of a support point that is left out, or null */
     double sums[6], wrench[9];
     int is_summed;
 } Friction;
@@ -155,7 +156,7 @@ static void add_points(Friction *f, const double *rows, int64_t count, int strid
     Sums sums = {0};
     Frame frame = frame_of(f, 0.0, 0.0, 1.0, 1.0);
     for (int64_t i = 0; i < count && f->toward; ++i, rows += stride)
-        move_point(f, rows[place], rows[place + 1], load * rows[share]);
+        if (rows != f->apart) move_point(f, rows[place], rows[place + 1], load * rows[share]);
     if (f->toward) return;
     for (int64_t i = 0; i + 1 < count; i += LANES, rows += LANES * stride) {
         const double *next = rows + stride;
@@ -185,7 +186,9 @@ static void add_part(Friction *f, const Pressure *pressure, int part, int is_far
         return;
     }
     if (count && rows[ROW_KIND] == POINT) {
-        add_points(f, rows, count, ROW_COLUMNS, ROW_GEOMETRY, ROW_LOAD, load);
+        int64_t before = f->apart && !f->toward ? (f->apart - rows) / ROW_COLUMNS : count, after = count - 1 - before;
+        add_points(f, rows, before, ROW_COLUMNS, ROW_GEOMETRY, ROW_LOAD, load);
+        if (after > 0) add_points(f, f->apart + ROW_COLUMNS, after, ROW_COLUMNS, ROW_GEOMETRY, ROW_LOAD, load);
         return;
     }
     for (int64_t i = 0; i < count; ++i) {
@@ -198,10 +201,12 @@ static void add_part(Friction *f, const Pressure *pressure, int part, int is_far
     }
 }
 
-static void begin_sums(Friction *f, const double *twist, const double *matrix, const double *toward) {
+static void begin_sums(Friction *f, const double *twist, const double *matrix, const double *toward,
+                       const double *apart) {
     f->twist = twist;
     f->matrix = matrix;
     f->toward = toward;
+    f->apart = apart;
     f->is_summed = 0;
     f->scale = 1.0 / (twist[2] * twist[2] * (matrix[0] * matrix[3] - matrix[1] * matrix[2]));
     memset(f->sums, 0, sizeof f->sums);
@@ -230,18 +235,24 @@ static int is_beyond(const Pressure *pressure, const double *twist, const double
 }
 
 /* Wrench (3) and Hessian (xx, xy, yy, x omega, y omega, omega omega). is_far: the regime of the last call and of this
-   one, which changes a little late, so that small steps do not cross from one rounding to another. */
-static void friction_at(const Pressure *pressure, const double *twist, const double *matrix, int *is_far, double *wrench) {
+   one, which changes a little late, so that small steps do not cross from one rounding to another. apart: the row of a
+   support point that is left out, or null. */
+static void friction_without(const Pressure *pressure, const double *twist, const double *matrix, int *is_far,
+                             const double *apart, double *wrench) {
     Friction f;
     *is_far = pressure->far < INFINITY && is_beyond(pressure, twist, matrix, pressure->far * (*is_far ? 0.7 : 1.7));
-    begin_sums(&f, twist, matrix, 0);
+    begin_sums(&f, twist, matrix, 0, *is_far ? 0 : apart);
     add_loads(&f, pressure, *is_far);
     memcpy(wrench, f.wrench, sizeof f.wrench);
 }
 
+static void friction_at(const Pressure *pressure, const double *twist, const double *matrix, int *is_far, double *wrench) {
+    friction_without(pressure, twist, matrix, is_far, 0, wrench);
+}
+
 /* Derivatives of the wrench by mu_a, mu_b and alpha, by columns; only_angle: by alpha alone. */
 static void friction_by_law(const Pressure *pressure, const double *twist, const double *m, int is_far, int only_angle,
-                            double *by_law) {
+                            const double *apart, double *by_law) {
     double mu_a = hypot(m[0], m[2]), mu_b = hypot(m[1], m[3]);
     const double toward[3][4] = {{m[0] / mu_a, 0.0, m[2] / mu_a, 0.0},
                                  {0.0, m[1] / mu_b, 0.0, m[3] / mu_b},
@@ -249,7 +260,7 @@ static void friction_by_law(const Pressure *pressure, const double *twist, const
     Friction f;
     memset(by_law, 0, 9 * sizeof(double));
     for (int k = only_angle ? 2 : 0; k < 3; ++k) {
-        begin_sums(&f, twist, m, toward[k]);
+        begin_sums(&f, twist, m, toward[k], apart);
         add_loads(&f, pressure, is_far);
         memcpy(by_law + 3 * k, f.wrench, 3 * sizeof(double));
     }
@@ -257,13 +268,14 @@ static void friction_by_law(const Pressure *pressure, const double *twist, const
 
 /* Derivatives of the wrench by the shares of the pressure inside, on the rim and at the corners, at the expense of the
    even one; by columns, zero by those that the footprint cannot have. */
-static void friction_by_shares(const Pressure *pressure, const double *twist, const double *m, int is_far, double *by) {
+static void friction_by_shares(const Pressure *pressure, const double *twist, const double *m, int is_far,
+                               const double *apart, double *by) {
     double even[3] = {0.0};
     memset(by, 0, 3 * SHARES * sizeof(double));
     Friction f;
     for (int part = EVEN; part <= CORNERS; ++part) {
         if (pressure->first_row[part] == pressure->first_row[part + 1]) continue;
-        begin_sums(&f, twist, m, 0);
+        begin_sums(&f, twist, m, 0, part == CORNERS ? apart : 0);
         add_part(&f, pressure, part, is_far, 1.0);
         if (part == CORNERS) add_part(&f, pressure, BALANCE, is_far, 1.0);
         end_sums(&f);

@@ -35,14 +35,33 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
     Begun b;
     double wrench[9], by_law[9], by_shares[9] = {0.0}, correction;
     const Pressure *pressure = &r->object->pressure;
-    begin(r, m, state, z, &b);
-    friction_at(pressure, b.twist, b.matrix, &r->is_far, wrench);
-    friction_by_law(pressure, b.twist, b.matrix, r->is_far, !all, by_law);
-    if (all) friction_by_shares(pressure, b.twist, b.matrix, r->is_far, by_shares);
+    double plain[2] = {z[0], z[1]};
+    if (m->watched >= 0) friction_watched(r, m, state, all, plain, &b, wrench, by_law, by_shares);
+    else {
+        begin(r, m, state, z, &b);
+        friction_at(pressure, b.twist, b.matrix, &r->is_far, wrench);
+        friction_by_law(pressure, b.twist, b.matrix, r->is_far, !all, 0, by_law);
+        if (all) friction_by_shares(pressure, b.twist, b.matrix, r->is_far, 0, by_shares);
+    }
+    z = plain;
     const double *given[] = {state, m->p, z, wrench, by_law, by_shares};
     double *results[] = {by, toward, &correction};
     (all ? ALL_SLOPES : SLOPES)[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
     return correction;
+}
+
+/* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's method corrects them
+   beside it. */
+static void tangents_aside(Stroke *r, const Motion *m, const double *row, double *toward) {
+    int n = unknowns(m), has_coordinate = m->mode < RING;
+    double beside[ROW], report[REPORT];
+    memset(toward, 0, 4 * sizeof(double));
+    for (int j = 0; j < 1 + has_coordinate && !m->rests; ++j) {
+        double state[2] = {row[0], row[1]};
+        state[j] += ASIDE;
+        iterate(r, m, state, row + UNKNOWN, beside, report);
+        for (int k = 0; k < n; ++k) toward[n * j + k] = (beside[UNKNOWN + k] - row[UNKNOWN + k]) / ASIDE;
+    }
 }
 
 /* Where stage i of a step lies. */
@@ -74,14 +93,16 @@ static void estimate_error(Step *taken, double h) {
 /* A step from a row with its contacts corrected once a stage; whether they count as solved. again: from the unknowns it
    has. */
 static int certified(Stroke *r, Motion *m, int again, const double *start, double h, Step *taken) {
-    int n = unknowns(m), points = is_points(r), smooth = !points || r->object->pressure.first_row[1] >= 32;
+    int n = unknowns(m), points = is_points(r), smooth = 1;
     double bend[STAGES + 1][2], at[2], z[2], report[REPORT], correction = 0.0, tolerance = r->object->tolerance;
     /* around a corner a slip turns the contact the faster the thinner the rod */
     double slow = kind_of(r, m) == KIND_CORNER ? fmin(r->object->radius, 1.0) : 1.0;
     double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance * slow / h);
     /* the tangent at the start is kept: a step that is too long starts again there */
     double by[6];
-    if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
+    if (m->watched >= 0) smooth = 1;
+    if (!m->has_tangent && m->watched >= 0) tangents_aside(r, m, start, m->toward);
+    else if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
     m->has_tangent = 1;
     memcpy(taken->rows[0], start, sizeof taken->rows[0]);
     for (int i = 1; i <= STAGES; ++i) {
@@ -173,13 +194,13 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     /* a ring without friction is differentiated by it in the sense in which the object turns */
     if (all && m->mode == RING) with.mode = row[SLOPE] < 0.0 ? RING_RIGHT : RING_LEFT;
     double correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
-    m->has_tangent = !is_middle && with.mode == m->mode;
-    if (is_kinked(r, m, row) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
+    m->has_tangent = !is_middle && with.mode == m->mode && m->watched < 0;
+    if ((m->watched < 0 && is_kinked(r, m, row)) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         if (evaluate(r, m, row, row, report) < 0) return UNSOLVED;
         slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
     }
-    if (is_kinked(r, m, row)) {
+    if (m->rests || (m->watched < 0 && is_kinked(r, m, row))) {
         memset(slopes, 0, sizeof slopes);
         if (slopes_by_differences(r, m, row, sources, slopes) < 0) return UNSOLVED;
     }
