@@ -13,7 +13,7 @@
 
 /* Centres of rotation nearer to a point than this (extents, in the velocity plane) make it watched; and the tangent of
    the angle beyond which a sticking contact's friction does not come from it. */
-static const double NEAR = 0.25, STEEP = 4.0;
+static const double NEAR = 0.04, STEEP = 4.0;
 /* Steps of states that tangents are told by; and the least speed by which directions turn. */
 static const double ASIDE = 1e-7, LEAST_SPEED = 1e-9;
 /* Speeds (unit travel of the rod) that count as rest where a motion begins. */
@@ -146,13 +146,17 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     for (int j = 0; j < n; ++j)
         for (int k = 0; k < 3; ++k) g[k] += step[j] * moved[j][k];
     Polar after = polar_at(m, &w, corrected);
+    /* what is left of it bends with the direction, the less the slower the point is and the less it carries */
+    double turn = step[angle] * step[angle], left = n == 1
+        ? turn * fmin(1.0, fabs(p.by[0][0]) * (1.0 + fabs(tan(unknown[0]))))
+        : turn * fmin(1.0, w.load + fabs(p.speed)) + fabs(step[0] * step[1]) + step[0] * step[0];
     finish_with(m, &w, after.z, g, row, report);
     memcpy(row, state, 2 * sizeof(double));
     memcpy(row + UNKNOWN, corrected, 2 * sizeof(double));
     /* in the ring no contact changes */
     for (int k = 0; k < RESTS && m->mode >= RING; ++k) row[MARGIN + k] = 1.0;
     row[MARGIN + RESTS] = n == 1 ? after.speed * cos(corrected[0]) : corrected[0];
-    report[CORRECTION] = fmax(fabs(step[0]), fabs(step[1]));
+    report[CORRECTION] = sqrt(left);
     report[RESIDUAL] = n == 1 ? residual[0] : hypot(residual[0], residual[1]);
     /* of the pressure's sums from afar the point cannot be left out */
     if (r->is_far) report[CORRECTION] = report[RESIDUAL] = NAN;

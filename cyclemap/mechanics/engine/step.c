@@ -7,7 +7,7 @@
 /* A step counts when what Newton's last correction leaves, about its square, is off by this share of its tolerance over
    its length; over support points by this share of the correction, since friction bends the more abruptly the slower one
    of them is. It is made again this often at most. */
-static const double LEFT_OVER = 0.05, AT_POINTS = 0.3;
+static const double LEFT_OVER = 0.05, AT_POINTS = 1.0;
 enum { AGAIN = 3 };
 /* The share of the rough estimate (generate.py) that counts, and the bounds of the next step's length. */
 static const double LEAST_SHARE = 0.3, SAFETY = 0.8, SHRINK = 0.2, GROW = 4.0;
@@ -119,7 +119,7 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
         }
         iterate(r, m, at, z, row, report);
         /* the next step begins with the end: its balance is what is looked at */
-        if (i == STAGES && (points || !(report[CORRECTION] <= SOLVED))) {
+        if (i == STAGES && !(report[CORRECTION] <= SOLVED)) {
             memcpy(z, row + UNKNOWN, sizeof z);
             iterate(r, m, at, z, row, report);
         }
