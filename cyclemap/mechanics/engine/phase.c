@@ -13,7 +13,7 @@ static const double DIP = 30.0;
 /* A motion that cannot go on by this much, where a margin is zero, has ended there. */
 static const double STUCK = 1e-8;
 /* Steps above this share of the length are made in one go or not at all: shorter ones are cheaper than certainty. */
-static const double SHORT = 0.01;
+static const double SHORT = 1e-5;
 /* Where polar unknowns are not found in steps this short, over the length, plain ones are tried. */
 static const double UNWATCHED = 1e-5;
 enum { NOTHING = -100, MOST_STEPS = 20000 };

@@ -9,6 +9,8 @@
    of them is. It is made again this often at most. */
 static const double LEFT_OVER = 0.05, AT_POINTS = 1.0;
 enum { AGAIN = 3 };
+/* and not again where corrections have not become that much smaller. */
+static const double HOPELESS = 0.3;
 /* The share of the rough estimate (generate.py) that counts, and the bounds of the next step's length. */
 static const double LEAST_SHARE = 0.3, SAFETY = 0.8, SHRINK = 0.2, GROW = 4.0;
 /* Steps no longer than this are taken even where a margin is broken on them. */
@@ -20,7 +22,7 @@ static const double SOLVED = 1e-7;
 /* Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved first. */
 static const double UNSOLVED_MIDDLE = 1e-5;
 
-typedef struct { double h, error, rows[STAGES + 1][ROW]; } Step;
+typedef struct { double h, error, correction, rows[STAGES + 1][ROW]; } Step;
 
 /* Derivatives by `count` parameters, by columns (2): of the state; and of the motion's own parameters VARIED and SHARES
    (rows) by each of them (columns). */
@@ -119,16 +121,17 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
         }
         iterate(r, m, at, z, row, report);
         /* the next step begins with the end: its balance is what is looked at */
-        if (i == STAGES && !(report[CORRECTION] <= SOLVED)) {
+        if (!(report[CORRECTION] <= (i == STAGES ? SOLVED : allowed))) {
             memcpy(z, row + UNKNOWN, sizeof z);
             iterate(r, m, at, z, row, report);
         }
         if (!again)
             for (int k = 0; k < n; ++k) bend[i][k] = row[UNKNOWN + k] - tangent[k];
-        if (!isfinite(report[CORRECTION])) return 0;
+        if (!isfinite(taken->correction = report[CORRECTION])) return 0;
         correction = fmax(correction, report[CORRECTION]);
     }
     estimate_error(taken, h);
+    taken->correction = correction;
     return isfinite(taken->error) && correction <= allowed;
 }
 
@@ -149,8 +152,11 @@ static int sure_step(Stroke *r, Motion *m, const double *start, double h, Step *
 static int attempt(Stroke *r, Motion *m, const double *start, double h, int fast, Step *taken) {
     double z[2] = {m->z[0], m->z[1]};
     if (is_held(m)) return sure_step(r, m, start, h, taken);
-    for (int k = 0; k <= AGAIN; ++k)
+    double before = INFINITY;
+    for (int k = 0; k <= AGAIN && (k == 0 || taken->correction < HOPELESS * before); ++k) {
+        before = k ? taken->correction : INFINITY;
         if (certified(r, m, k > 0, start, h, taken)) return 1;
+    }
     if (fast) return 0;
     int found = sure_step(r, m, start, h, taken);
     if (found == 1 || h <= LEAST_ADVANCE) return found;
