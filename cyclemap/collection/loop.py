@@ -35,7 +35,7 @@ from cyclemap.mechanics import (
     load_material,
 )
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, CycleSlopes, run_batch
-from cyclemap.mechanics.engine.strokes import PARAMETERS
+from cyclemap.mechanics.engine.schema import PARAMETERS
 
 if TYPE_CHECKING:
     import pandas

@@ -17,7 +17,7 @@ from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import sampled_loop
 from cyclemap.mechanics.cycle_batch import run_batch
-from cyclemap.mechanics.engine.strokes import PARAMETERS
+from cyclemap.mechanics.engine.schema import PARAMETERS
 
 Array = NDArray[np.float64]
 

@@ -10,14 +10,15 @@ Friction and pressure
 ---------------------
 EllipseFriction, worn_friction : friction of a point; between fresh and worn
 Footprint, PatchFootprint, PointFootprint : how the load is spread, exactly or over points
-grid_footprint, corner_footprint, load_footprint, parse_footprint : footprints by count, outline, file, word
+grid_footprint, corner_footprint : footprints of points, by their count or on the corners
+load_footprint, parse_footprint : footprints from a file, or by a word
 LimitSurface : friction of a whole footprint; dissipation, wrench and twist
 
 Materials
 ---------
 Material, load_material, material_names, material_toml : a surface, read and written
 Wear, CycleNoise : how it changes, and how cycles on it scatter
-FoundWith, PlatePressure, FrameShift, MaterialPosterior : what was identified along with it, and how surely
+FoundWith, PlatePressure, FrameShift, MaterialPosterior : what was identified along with it
 
 Motion
 ------
@@ -32,7 +33,7 @@ from typing import TYPE_CHECKING
 from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
-    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    # What an editor and a type checker see; at run time names are imported when first used.
     from cyclemap.mechanics.dynamic_model import DynamicModel
     from cyclemap.mechanics.footprint import (
         Footprint,
@@ -78,9 +79,32 @@ else:
     import_on_first_use(__name__)
 
 __all__ = ["MIT_HITCH", "MIT_SHAPE_NAMES", "Ellipse", "Polygon", "Slider"]
-__all__ += ["EllipseFriction", "Footprint", "LimitSurface", "PatchFootprint", "PointFootprint", "corner_footprint"]
+__all__ += [
+    "EllipseFriction",
+    "Footprint",
+    "LimitSurface",
+    "PatchFootprint",
+    "PointFootprint",
+    "corner_footprint",
+]
 __all__ += ["grid_footprint", "load_footprint", "parse_footprint", "worn_friction"]
-__all__ += ["CycleNoise", "FoundWith", "FrameShift", "Material", "MaterialPosterior", "PlatePressure", "Wear"]
+__all__ += [
+    "CycleNoise",
+    "FoundWith",
+    "FrameShift",
+    "Material",
+    "MaterialPosterior",
+    "PlatePressure",
+    "Wear",
+]
 __all__ += ["load_material", "material_names", "material_toml"]
-__all__ += ["DragBack", "DragResult", "DynamicDrag", "DynamicModel", "DynamicPush", "DynamicTrajectory", "Pose"]
+__all__ += [
+    "DragBack",
+    "DragResult",
+    "DynamicDrag",
+    "DynamicModel",
+    "DynamicPush",
+    "DynamicTrajectory",
+    "Pose",
+]
 __all__ += ["PushResult", "Pusher", "QuasiStaticModel", "SidePush", "Trajectory", "WorldPush"]

@@ -1,9 +1,11 @@
-"""The curve on which a rod's centre lies while it touches the slider: the outline rounded by the rod's radius.
+"""The curve on which a rod's centre lies while it touches the slider: the outline rounded by the
+rod's radius.
 
-Its pieces are straight (rod on a side), arcs about corners (rod on a corner) or the parallel curve of an ellipse. Each
-has a coordinate of its own in which contact point and normal are smooth, and which has no gaps when the radius changes.
-Around a concave outline these pieces cross: only what no other side overlaps is kept, so that pieces end in wedges,
-where the rod touches two places at once, and pockets that the rod fits but cannot enter have loops of their own.
+Its pieces are straight (rod on a side), arcs about corners (rod on a corner) or the parallel curve
+of an ellipse. Each has a coordinate of its own in which contact point and normal are smooth, and
+which has no gaps when the radius changes. Around a concave outline these pieces cross: only what no
+other side overlaps is kept, so that pieces end in wedges, where the rod touches two places at once,
+and pockets that the rod fits but cannot enter have loops of their own.
 """
 
 import math
@@ -22,14 +24,18 @@ from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 # Sides that turn by less than this (rad) go on as one: a vertex on a straight side is no corner.
 STRAIGHT = 1e-9
-# Rounding of a distance, and the least change of the radius that clearly exceeds it, per size of outline and rod.
+# Rounding of a distance, and the least change of the radius that clearly exceeds it, per size of
+# outline and rod.
 _ROUNDING, _NUDGE = 4e-15, 1e-13
-# Radii tried, in nudges: a rod exactly as wide as a notch counts as too wide rather than as fitting.
+# Radii tried, in nudges: a rod exactly as wide as a notch counts as too wide rather than as
+# fitting.
 _NUDGES = (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 5.0, -5.0, 7.0, -7.0)
 
 
 class Contact(NamedTuple):
-    """One contact in the slider's frame: point, angle of the outward normal, and its derivative by the coordinate."""
+    """One contact in the slider's frame: point, angle of the outward normal, and its derivative by
+    the coordinate.
+    """
 
     x: float
     y: float
@@ -53,21 +59,29 @@ class SidePiece:
     high: float
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
+        """Return the contact, and the travel of the rod's centre along its curve per unit of
+        coordinate.
+        """
         x, y = self.start
-        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal, 0.0), 1.0
+        return Contact(
+            x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal, 0.0
+        ), 1.0
 
 
 @dataclass(frozen=True)
 class CornerPiece:
-    """Rod of positive radius on a convex corner; coordinate: angle of the normal, from one side's to the next's."""
+    """Rod of positive radius on a convex corner; coordinate: angle of the normal, from one side's
+    to the next's.
+    """
 
     corner: tuple[float, float]
     low: float
     high: float
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
+        """Return the contact, and the travel of the rod's centre along its curve per unit of
+        coordinate.
+        """
         return Contact(*self.corner, coordinate, 1.0), radius
 
 
@@ -81,7 +95,9 @@ class EllipsePiece:
     high: float = math.inf
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
+        """Return the contact, and the travel of the rod's centre along its curve per unit of
+        coordinate.
+        """
         (a, b), c, s = (self.semi_x, self.semi_y), math.cos(coordinate), math.sin(coordinate)
         speed = math.hypot(a * s, b * c)
         contact = Contact(a * c, b * s, math.atan2(a * s, b * c), a * b / speed**2)
@@ -89,16 +105,19 @@ class EllipsePiece:
 
 
 OutlinePiece = SidePiece | CornerPiece | EllipsePiece
-# What joins two pieces: the normal goes on; it jumps at a convex corner (no radius); the rod touches two places.
+# What joins two pieces: the normal goes on; it jumps at a convex corner (no radius); the rod
+# touches two places.
 Junction = Literal["smooth", "corner", "wedge"]
 
 
 @dataclass(frozen=True)
 class ContactCurve:
-    """The curve of a rod of one radius around one outline: its pieces counter-clockwise, and how they follow.
+    """The curve of a rod of one radius around one outline: its pieces counter-clockwise, and how
+    they follow.
 
-    `after[i]` and `before[i]` are the pieces at the high and the low end of piece i, `junctions[i]` is what joins i to
-    after[i]. Pieces form closed loops: one around the object, one for each pocket that the rod fits but cannot enter.
+    `after[i]` and `before[i]` are the pieces at the high and the low end of piece i, `junctions[i]`
+    is what joins i to after[i]. Pieces form closed loops: one around the object, one for each
+    pocket that the rod fits but cannot enter.
     """
 
     radius: float
@@ -108,51 +127,72 @@ class ContactCurve:
     junctions: tuple[Junction, ...]
 
     def contacts_at_end(self, piece: int) -> tuple[Contact, Contact]:
-        """Return the contacts where a piece ends and the next one begins; in a wedge the rod has both at once."""
+        """Return the contacts where a piece ends and the next one begins; in a wedge the rod has
+        both at once.
+        """
         ends, begins = self.pieces[piece], self.pieces[self.after[piece]]
         return ends.contact(ends.high, self.radius)[0], begins.contact(begins.low, self.radius)[0]
 
 
 @lru_cache(maxsize=256)
 def contact_curve(outline: Outline, radius: float) -> ContactCurve:
-    """Return the curve of a rod's centre: its points are `radius` from the outline, to some 1e-13 of its size.
+    """Return the curve of a rod's centre: its points are `radius` from the outline, to some 1e-13
+    of its size.
 
-    What that cannot decide (a rod as wide as a notch) comes out as for a slightly thicker or thinner rod.
+    What that cannot decide (a rod as wide as a notch) comes out as for a slightly thicker or
+    thinner rod.
     """
     if isinstance(outline, Ellipse):
-        return ContactCurve(radius, (EllipsePiece(outline.semi_x, outline.semi_y),), (0,), (0,), ("smooth",))
+        return ContactCurve(
+            radius, (EllipsePiece(outline.semi_x, outline.semi_y),), (0,), (0,), ("smooth",)
+        )
     scale = radius + float(np.abs(outline.array).max())
     for nudge in _NUDGES:
         tried = radius + nudge * _NUDGE * scale
         curve = _trimmed(outline, tried, _ROUNDING * scale) if tried > 0.0 or nudge == 0.0 else None
         if curve is not None:
             return replace(curve, radius=radius)
-    raise ConvergenceError(f"the contact curve of a rod of radius {radius} does not close: change the radius slightly")
+    raise ConvergenceError(
+        f"the contact curve of a rod of radius {radius} does not close: change the radius slightly"
+    )
 
 
 def side_coordinate(
     outline: Outline, pieces: tuple[OutlinePiece, ...], side: int, fraction: float
 ) -> tuple[int, float, float]:
-    """Return piece, coordinate, and its slope by the fraction, of the contact at a fraction of a side from its start.
+    """Return piece, coordinate, and its slope by the fraction, of the contact at a fraction of a
+    side from its start.
 
-    On an ellipse, whose only side is 0, the fraction is of the full eccentric angle. Raises InvalidInput for a side
-    or fraction that does not exist or that the rod cannot reach.
+    On an ellipse, whose only side is 0, the fraction is of the full eccentric angle. Raises
+    InvalidInput for a side or fraction that does not exist or that the rod cannot reach.
     """
     if isinstance(side, bool) or side != int(side) or not 0 <= side < outline.sides:
-        raise InvalidInput(f"side {side!r} does not exist: this outline has sides 0 to {outline.sides - 1}")
+        raise InvalidInput(
+            f"side {side!r} does not exist: this outline has sides 0 to {outline.sides - 1}"
+        )
     if not 0.0 <= fraction <= 1.0:
-        raise InvalidInput(f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1")
+        raise InvalidInput(
+            f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1"
+        )
     if isinstance(outline, Ellipse):
         return 0, 2.0 * math.pi * fraction, 2.0 * math.pi
     length = _raw_side(outline, int(side)).high
     for index, piece in enumerate(pieces):
-        if isinstance(piece, SidePiece) and piece.side == side and piece.low <= fraction * length <= piece.high:
+        if (
+            isinstance(piece, SidePiece)
+            and piece.side == side
+            and piece.low <= fraction * length <= piece.high
+        ):
             return index, fraction * length, length
-    raise InvalidInput(f"the rod cannot touch side {side} at fraction {fraction}: a concave corner is in its way")
+    raise InvalidInput(
+        f"the rod cannot touch side {side} at fraction {fraction}: a concave corner is in its way"
+    )
 
 
 class _Mark(NamedTuple):
-    """A place on an untrimmed piece where the curve may end or begin; both marks of a junction share its key."""
+    """A place on an untrimmed piece where the curve may end or begin; both marks of a junction
+    share its key.
+    """
 
     coordinate: float
     ends: bool
@@ -165,7 +205,9 @@ def _trimmed(outline: Polygon, radius: float, rounding: float) -> ContactCurve |
     trims = radius > 0.0 and not outline.is_convex
     if trims:
         for one, other in _near(raw, radius):
-            for at_one, at_other, one_ends in _crossings(raw[one], raw[other], radius, outline.sides):
+            for at_one, at_other, one_ends in _crossings(
+                raw[one], raw[other], radius, outline.sides
+            ):
                 insort(marks[one], _Mark(at_one, one_ends, len(junctions)))
                 insort(marks[other], _Mark(at_other, not one_ends, len(junctions)))
                 junctions.append("wedge")
@@ -176,12 +218,24 @@ def _trimmed(outline: Polygon, radius: float, rounding: float) -> ContactCurve |
     for whole, on_it in zip(raw, marks, strict=True):
         # A corner's piece follows that of the side before it.
         side = whole.side if isinstance(whole, SidePiece) else side
-        spans = [(a, b) for a, b in pairwise(on_it) if b.ends and not a.ends and a.coordinate < b.coordinate]
+        spans = [
+            (a, b)
+            for a, b in pairwise(on_it)
+            if b.ends and not a.ends and a.coordinate < b.coordinate
+        ]
         if trims and spans:
             own = [side] if isinstance(whole, SidePiece) else [side, (side + 1) % outline.sides]
-            middles = [whole.contact((a.coordinate + b.coordinate) / 2.0, radius)[0] for a, b in spans]
-            away = _clearance(outline, own, np.array([middle.rod_centre(radius) for middle in middles]))
-            spans = [span for span, gap in zip(spans, away.tolist(), strict=True) if gap >= radius - rounding]
+            middles = [
+                whole.contact((a.coordinate + b.coordinate) / 2.0, radius)[0] for a, b in spans
+            ]
+            away = _clearance(
+                outline, own, np.array([middle.rod_centre(radius) for middle in middles])
+            )
+            spans = [
+                span
+                for span, gap in zip(spans, away.tolist(), strict=True)
+                if gap >= radius - rounding
+            ]
         for a, b in spans:
             begun[a.junction] = ended[b.junction] = len(pieces)
             pieces.append(replace(whole, low=a.coordinate, high=b.coordinate))
@@ -189,15 +243,24 @@ def _trimmed(outline: Polygon, radius: float, rounding: float) -> ContactCurve |
         return None
     key_at_low, key_at_high = ({piece: key for key, piece in at.items()} for at in (begun, ended))
     order = range(len(pieces))
-    after, before = tuple(begun[key_at_high[i]] for i in order), tuple(ended[key_at_low[i]] for i in order)
-    return ContactCurve(radius, tuple(pieces), after, before, tuple(junctions[key_at_high[i]] for i in order))
+    after, before = (
+        tuple(begun[key_at_high[i]] for i in order),
+        tuple(ended[key_at_low[i]] for i in order),
+    )
+    return ContactCurve(
+        radius, tuple(pieces), after, before, tuple(junctions[key_at_high[i]] for i in order)
+    )
 
 
 _RawPiece = SidePiece | CornerPiece
 
 
-def _untrimmed(outline: Polygon, radius: float) -> tuple[list[_RawPiece], list[list[_Mark]], list[Junction]]:
-    """Sides and convex corners in their order, with a mark at each end where the next one follows without crossing."""
+def _untrimmed(
+    outline: Polygon, radius: float
+) -> tuple[list[_RawPiece], list[list[_Mark]], list[Junction]]:
+    """Sides and convex corners in their order, with a mark at each end where the next one follows
+    without crossing.
+    """
     raw: list[_RawPiece] = []
     marks: dict[int, list[_Mark]] = defaultdict(list)
     junctions: list[Junction] = []
@@ -207,7 +270,9 @@ def _untrimmed(outline: Polygon, radius: float) -> tuple[list[_RawPiece], list[l
     for side, turn in zip(sides, turns, strict=True):
         raw.append(side)
         if radius > 0.0 and turn > STRAIGHT:
-            raw.append(CornerPiece(sides[(side.side + 1) % count].start, side.normal, side.normal + turn))
+            raw.append(
+                CornerPiece(sides[(side.side + 1) % count].start, side.normal, side.normal + turn)
+            )
     for index, piece in enumerate(raw):
         turn = turns[piece.side] if isinstance(piece, SidePiece) else 0.0
         if radius > 0.0 and turn < -STRAIGHT:
@@ -226,7 +291,9 @@ def _raw_side(outline: Polygon, side: int) -> SidePiece:
     a, b = outline.array[side], outline.array[(side + 1) % outline.sides]
     x, y = (b - a).tolist()
     length = math.hypot(x, y)
-    return SidePiece(side, (float(a[0]), float(a[1])), (x / length, y / length), math.atan2(-x, y), 0.0, length)
+    return SidePiece(
+        side, (float(a[0]), float(a[1])), (x / length, y / length), math.atan2(-x, y), 0.0, length
+    )
 
 
 def _turn(side: SidePiece, following: SidePiece) -> float:
@@ -240,7 +307,9 @@ def _near(raw: list[_RawPiece], radius: float) -> list[tuple[int, int]]:
     spans = np.zeros((len(raw), 2, 2))
     for span, piece in zip(spans, raw, strict=True):
         if isinstance(piece, SidePiece):
-            span[:] = [piece.contact(at, radius)[0].rod_centre(radius) for at in (piece.low, piece.high)]
+            span[:] = [
+                piece.contact(at, radius)[0].rod_centre(radius) for at in (piece.low, piece.high)
+            ]
         else:
             span[:] = np.add(piece.corner, [[-radius], [radius]])
     low, high = spans.min(axis=1), spans.max(axis=1)
@@ -258,8 +327,12 @@ def _clearance(outline: Polygon, own: list[int], places: Array) -> Array:
     return np.asarray(np.hypot(away[..., 0], away[..., 1]).min(axis=1))
 
 
-def _crossings(a: _RawPiece, b: _RawPiece, radius: float, count: int) -> list[tuple[float, float, bool]]:
-    """(coordinate on a, coordinate on b, whether a ends there) of the places where two untrimmed pieces cross."""
+def _crossings(
+    a: _RawPiece, b: _RawPiece, radius: float, count: int
+) -> list[tuple[float, float, bool]]:
+    """(coordinate on a, coordinate on b, whether a ends there) of the places where two untrimmed
+    pieces cross.
+    """
     if isinstance(a, SidePiece):
         if isinstance(b, CornerPiece):
             found = _side_corner(a, b, radius)
@@ -268,7 +341,11 @@ def _crossings(a: _RawPiece, b: _RawPiece, radius: float, count: int) -> list[tu
             turn = _turn(before, after)
             reach = radius * math.tan(-turn / 2.0)
             ends, begins = before.high - reach, reach
-            found = [(ends, begins, True) if before is a else (begins, ends, False)] if turn < -STRAIGHT else []
+            found = (
+                [(ends, begins, True) if before is a else (begins, ends, False)]
+                if turn < -STRAIGHT
+                else []
+            )
         else:
             found = _side_side(a, b, radius)
     elif isinstance(b, SidePiece):
@@ -284,14 +361,22 @@ def _side_side(a: SidePiece, b: SidePiece, radius: float) -> list[tuple[float, f
     if abs(sine) < STRAIGHT**2:
         return []
     # From the first end of a's line to that of b's; a normal is (y, -x) of its direction (x, y).
-    x, y = b.start[0] - a.start[0] + radius * (by - ay), b.start[1] - a.start[1] - radius * (bx - ax)
+    x, y = (
+        b.start[0] - a.start[0] + radius * (by - ay),
+        b.start[1] - a.start[1] - radius * (bx - ax),
+    )
     at_a = (x * by - y * bx) / sine
     # As the foot of the same point, so that both agree on it however flat the angle.
     return [(at_a, (at_a * ax - x) * bx + (at_a * ay - y) * by, sine < 0.0)]
 
 
-def _side_corner(side: SidePiece, corner: CornerPiece, radius: float) -> list[tuple[float, float, bool]]:
-    (dx, dy), (x, y) = side.direction, (corner.corner[0] - side.start[0], corner.corner[1] - side.start[1])
+def _side_corner(
+    side: SidePiece, corner: CornerPiece, radius: float
+) -> list[tuple[float, float, bool]]:
+    (dx, dy), (x, y) = (
+        side.direction,
+        (corner.corner[0] - side.start[0], corner.corner[1] - side.start[1]),
+    )
     foot, height = x * dx + y * dy, x * dy - y * dx
     under = height * (2.0 * radius - height)
     if under <= 0.0:
@@ -303,7 +388,9 @@ def _side_corner(side: SidePiece, corner: CornerPiece, radius: float) -> list[tu
     return found
 
 
-def _corner_corner(a: CornerPiece, b: CornerPiece, radius: float) -> list[tuple[float, float, bool]]:
+def _corner_corner(
+    a: CornerPiece, b: CornerPiece, radius: float
+) -> list[tuple[float, float, bool]]:
     x, y = (b.corner[0] - a.corner[0]) / 2.0, (b.corner[1] - a.corner[1]) / 2.0
     half = math.hypot(x, y)
     if half >= radius:

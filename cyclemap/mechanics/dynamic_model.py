@@ -1,9 +1,11 @@
-"""The paper's dynamic simulation of one slider on one surface with one rod: pushes it, and drags it by its ring.
+"""The paper's dynamic simulation of one slider on one surface with one rod: pushes it, and drags it
+by its ring.
 
-Newton-Euler (Ma & Rodriguez 2018, Eq. 3): M q'' = F_pusher + F_friction, q = (x, y, theta) of the centre of mass.
-The equations' lengths are in extents L of the footprint, speeds in rod speeds v, forces in weights m g. Then
-M = Fr diag(1, 1, J) with the Froude number Fr = v^2 / (g L) and J = I / (m L^2): the speed enters squared, and nowhere
-else. CasADi writes them, CVODES (Hindmarsh et al. 2005) integrates them along one leg of the rod after the other.
+Newton-Euler (Ma & Rodriguez 2018, Eq. 3): M q'' = F_pusher + F_friction, q = (x, y, theta) of the
+centre of mass. The equations' lengths are in extents L of the footprint, speeds in rod speeds v,
+forces in weights m g. Then M = Fr diag(1, 1, J) with the Froude number Fr = v^2 / (g L) and J = I /
+(m L^2): the speed enters squared, and nowhere else. CasADi writes them, CVODES (Hindmarsh et al.
+2005) integrates them along one leg of the rod after the other.
 """
 
 from __future__ import annotations
@@ -33,13 +35,15 @@ GRID = 8
 SAMPLES = 30
 # The contact may give way by this share of the rod's radius under the slider's whole weight.
 _DEEPEST = 0.1
-# How long the slider is waited for at a time, in the times that its own friction takes to stop it, and how often.
+# How long the slider is waited for at a time, in the times that its own friction takes to stop it,
+# and how often.
 _WAIT, _MOST_WAITS = 4.0, 100
 # The slider rests once no speed is above this share of the rod's, or above so many creep speeds.
 _REST, _REST_CREEPS = 0.01, 10.0
 # A leg shorter than this (extents) is none.
 _SHORTEST = 1e-12
-# How a leg lies (rod's start and velocity, duration), then what it meets; creep: the speed below which friction fades.
+# How a leg lies (rod's start and velocity, duration), then what it meets; creep: the speed below
+# which friction fades.
 LEG = ("rod_x", "rod_y", "rod_vx", "rod_vy", "duration")
 PHYSICS = (
     *("froude", "inertia", "stiffness", "damping", "radius", "pusher_mu", "pin_radius", "creep"),
@@ -47,13 +51,16 @@ PHYSICS = (
 )
 # The absolute tolerance as a share of the relative one: speeds and lengths are of order one.
 _ABSOLUTE = 0.1
-# Newton's error as a share of a step's: CVODES' own 0.1 lets the stiff contact turn it into failed error tests.
+# Newton's error as a share of a step's: CVODES' own 0.1 lets the stiff contact turn it into failed
+# error tests.
 _NEWTON_SHARE = 1e-3
 _MOST_STEPS = 200_000
-# Units of the state. Velocities follow from positions through the stiff contact, where a step of length h gives them
-# the error of positions over h: tested as strictly as these, they would have steps shortened without end.
+# Units of the state. Velocities follow from positions through the stiff contact, where a step of
+# length h gives them the error of positions over h: tested as strictly as these, they would have
+# steps shortened without end.
 _SCALES = np.array([1.0, 1.0, 1.0, 100.0, 100.0, 100.0])
-# Newton's steps towards the nearest place of an ellipse; 5 reach rounding at an axis ratio of 1.5, 7 at 4.
+# Newton's steps towards the nearest place of an ellipse; 5 reach rounding at an axis ratio of 1.5,
+# 7 at 4.
 _NEWTON_STEPS = 8
 
 
@@ -61,22 +68,25 @@ _NEWTON_STEPS = 8
 class DynamicModel:
     """A slider with its inertia on a surface, and the rod that moves it through a stiff contact.
 
-    The rod moves straight at a constant speed; the slider is at rest before each stroke, and after it the rod is held
-    until no speed is above 1 % of it.
+    The rod moves straight at a constant speed; the slider is at rest before each stroke, and after
+    it the rod is held until no speed is above 1 % of it.
 
     Parameters
     ----------
-    slider, friction, pusher : the object, of convex outline (of unknown inertia: a uniform plate's), surface, rod.
+    slider, friction, pusher : the object, of convex outline (of unknown inertia: a uniform
+        plate's), surface, rod.
     footprint : support points; None: the paper's grid of 8 x 8 with equal load.
     speed : of the rod, m/s.
-    stiffness : of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6 leaves under 0.001
-        degrees on the MIT square, 0.002 on the worst of the MIT shapes).
-    damping : of the contact, in shares of the critical damping of the slider's mass on the contact's spring.
-    regularisation : speed below which friction fades, as a share of the rod's: at slip u as u / sqrt(u^2 +
-        regularisation^2). What should stick creeps at about this speed; errors fall in proportion (1e-4 leaves 0.002
-        degrees of a cycle on the MIT square, about 0.01 on the round plate `ellip1`, whose contact creeps as it rolls).
-    tolerance : relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within about fifty times
-        that, in rad (1e-7: 0.0003 degrees).
+    stiffness : of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6
+        leaves under 0.001 degrees on the MIT square, 0.002 on the worst of the MIT shapes).
+    damping : of the contact, in shares of the critical damping of the slider's mass on the
+        contact's spring.
+    regularisation : speed below which friction fades, as a share of the rod's: at slip u as u /
+        sqrt(u^2 + regularisation^2). What should stick creeps at about this speed; errors fall in
+        proportion (1e-4 leaves 0.002 degrees of a cycle on the MIT square, about 0.01 on the round
+        plate `ellip1`, whose contact creeps as it rolls).
+    tolerance : relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within
+        about fifty times that, in rad (1e-7: 0.0003 degrees).
 
     From them: points, those in use; inertia about the centre of mass, kg m^2.
 
@@ -102,19 +112,25 @@ class DynamicModel:
         for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
             object.__setattr__(self, name, positive_number(name, getattr(self, name)))
         if not 1e-10 <= self.tolerance <= 1e-3:
-            raise InvalidInput(f"tolerance {self.tolerance} is out of reach: choose one from 1e-10 to 1e-3")
+            raise InvalidInput(
+                f"tolerance {self.tolerance} is out of reach: choose one from 1e-10 to 1e-3"
+            )
         if self.regularisation > 0.1:
-            raise InvalidInput(f"regularisation {self.regularisation} leaves no friction: choose at most 0.1")
+            raise InvalidInput(
+                f"regularisation {self.regularisation} leaves no friction: choose at most 0.1"
+            )
         points, slider = self.footprint or grid_footprint(self.slider.outline, GRID), self.slider
         if not isinstance(points, PointFootprint):
             raise InvalidInput(
-                "the dynamic simulation stands on support points: choose a footprint such as grid:8, "
-                "or the pressure_points of a patch"
+                "the dynamic simulation stands on support points: choose a footprint such as "
+                "grid:8, or the pressure_points of a patch"
             )
         if slider.weight / self.stiffness > _DEEPEST * self.pusher.radius:
             raise InvalidInput(
-                f"the rod (radius {self.pusher.radius} m) would sink into a contact of {self.stiffness:g} N/m: choose "
-                f"a stiffness above {slider.weight / _DEEPEST / max(self.pusher.radius, 1e-6):.3g} N/m or a thicker rod"
+                f"the rod (radius {self.pusher.radius} m) would sink into a contact of "
+                f"{self.stiffness:g} N/m: choose a stiffness above "
+                f"{slider.weight / _DEEPEST / max(self.pusher.radius, 1e-6):.3g} N/m or a thicker "
+                "rod"
             )
         inertia = slider.inertia
         if inertia is None:
@@ -122,9 +138,11 @@ class DynamicModel:
         vars(self).update(points=points, inertia=inertia)
 
     def push(self, pose: Pose, push: SidePush, samples: int = SAMPLES) -> DynamicPush:
-        """Push the slider from rest at a pose, the rod first just touching it; `samples` of the course are kept.
+        """Push the slider from rest at a pose, the rod first just touching it; `samples` of the
+        course are kept.
 
-        InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where integration fails.
+        InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where
+        integration fails.
         """
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
@@ -132,24 +150,34 @@ class DynamicModel:
         contact, _ = pieces[index].contact(coordinate, radius)
         direction = pose.theta + contact.normal + math.pi + push.angle
         touch = np.array(pose.to_world(*contact.rod_centre(radius)))
-        places = [touch, touch + push.distance * np.array((math.cos(direction), math.sin(direction)))]
+        places = [
+            touch,
+            touch + push.distance * np.array((math.cos(direction), math.sin(direction))),
+        ]
         end, course = self._run(pose, self._equations(outline, samples), places)
         # The last sample is at rest, the one before it when the rod stops.
         ended = "distance" if np.any(course.contact_force[-2] != 0.0) else "left"
         return DynamicPush(pose, end, ended, course)
 
     def drag(
-        self, pose: Pose, way_points: Places, samples: int = SAMPLES, pin_friction_radius: float = 0.0
+        self,
+        pose: Pose,
+        way_points: Places,
+        samples: int = SAMPLES,
+        pin_friction_radius: float = 0.0,
     ) -> DynamicDrag:
-        """Drag the slider by its ring, straight through way-points (m, world frame), from rest at a pose.
+        """Drag the slider by its ring, straight through way-points (m, world frame), from rest at a
+        pose.
 
-        `samples` : of the course of each leg. `pin_friction_radius` (m): of the friction circle of the rod in the ring,
-        as in `QuasiStaticModel.drag`. Raises InvalidInput for values that are not numbers or a ring that is already
-        there, ConvergenceError where the integration fails.
+        `samples` : of the course of each leg. `pin_friction_radius` (m): of the friction circle of
+        the rod in the ring, as in `QuasiStaticModel.drag`. Raises InvalidInput for values that are
+        not numbers or a ring that is already there, ConvergenceError where the integration fails.
         """
         radius = non_negative_number("pin friction radius", pin_friction_radius)
         if not isinstance(way_points, (tuple, list, np.ndarray)) or len(way_points) == 0:
-            raise InvalidInput(f"way-points must be one place (x, y), m, or several, not {way_points!r}")
+            raise InvalidInput(
+                f"way-points must be one place (x, y), m, or several, not {way_points!r}"
+            )
         goals = [point("way-point", goal) for goal in way_points]
         places = [np.array(place) for place in (pose.to_world(*self.slider.hitch), *goals)]
         length = math.fsum(float(np.hypot(*(b - a))) for a, b in pairwise(places))
@@ -158,27 +186,47 @@ class DynamicModel:
         end, course = self._run(pose, self._equations(self.slider.hitch, samples, radius), places)
         return DynamicDrag(pose, end, length, course)
 
-    def _equations(self, touched: Outline | tuple[float, float], samples: int, pin_radius: float = 0.0) -> LegEquations:
-        """The equations of a leg of the rod on an outline, or in a ring at a place (m), with friction of a radius."""
-        slider, law, length, unit = self.slider, self.friction, self.points.extent, 1.0 / self.points.extent
+    def _equations(
+        self, touched: Outline | tuple[float, float], samples: int, pin_radius: float = 0.0
+    ) -> LegEquations:
+        """The equations of a leg of the rod on an outline, or in a ring at a place (m), with
+        friction of a radius.
+        """
+        slider, law, length, unit = (
+            self.slider,
+            self.friction,
+            self.points.extent,
+            1.0 / self.points.extent,
+        )
         froude = self.speed**2 / (GRAVITY * length)
         stiffness = self.stiffness * length / slider.weight
         physics = (
             *(froude, self.inertia / (slider.mass * length**2)),
             *(stiffness, 2.0 * self.damping * math.sqrt(stiffness * froude)),
-            *(self.pusher.radius / length, self.pusher.friction, pin_radius / length, self.regularisation),
+            *(
+                self.pusher.radius / length,
+                self.pusher.friction,
+                pin_radius / length,
+                self.regularisation,
+            ),
             *(law.mu_a, law.mu_b, law.m0, law.n0, law.phi),
         )
         return LegEquations(
-            PointFootprint(tuple(map(tuple, (unit * self.points.quadrature[0]).tolist())), self.points.weights),
+            PointFootprint(
+                tuple(map(tuple, (unit * self.points.quadrature[0]).tolist())), self.points.weights
+            ),
             (unit * slider.centre_of_mass[0], unit * slider.centre_of_mass[1]),
-            (unit * touched[0], unit * touched[1]) if isinstance(touched, tuple) else touched.scaled(unit),
+            (unit * touched[0], unit * touched[1])
+            if isinstance(touched, tuple)
+            else touched.scaled(unit),
             self.tolerance,
             whole_number("samples", samples, least=1),
             physics,
         )
 
-    def _run(self, pose: Pose, equations: LegEquations, places: list[Array]) -> tuple[Pose, DynamicTrajectory]:
+    def _run(
+        self, pose: Pose, equations: LegEquations, places: list[Array]
+    ) -> tuple[Pose, DynamicTrajectory]:
         """Move the rod through places (m) at its speed, then hold it until the slider rests."""
         length, law = self.points.extent, self.friction
         x, y = pose.to_world(*self.slider.centre_of_mass)
@@ -199,8 +247,9 @@ class DynamicModel:
         while waits == 0 or np.abs(now[3:]).max() > max(_REST, _REST_CREEPS * self.regularisation):
             if waits == _MOST_WAITS:
                 raise ConvergenceError(
-                    f"the slider still moves at {np.abs(now[3:]).max():.3g} rod speeds long after the rod has stopped: "
-                    "choose a smaller regularisation or a friction ellipse whose centre is nearer to zero"
+                    f"the slider still moves at {np.abs(now[3:]).max():.3g} rod speeds long after "
+                    "the rod has stopped: choose a smaller regularisation or a friction ellipse "
+                    "whose centre is nearer to zero"
                 )
             leg = equations.run(now, places[-1] / length, np.zeros(2), wait)
             leg[:, 0] += time
@@ -222,7 +271,8 @@ class DynamicModel:
 
 @dataclass(frozen=True)
 class LegEquations:
-    """One leg of the rod, in the equations' units; touched: the outline that it pushes, or the ring's place.
+    """One leg of the rod, in the equations' units; touched: the outline that it pushes, or the
+    ring's place.
 
     physics : as PHYSICS names them.
     """
@@ -235,10 +285,12 @@ class LegEquations:
     physics: tuple[float, ...] = field(compare=False)
 
     def run(self, start: Array, rod: Array, velocity: Array, time: float) -> Array:
-        """Move the rod for a time from a place at a velocity, the slider being in the state `start` (6,).
+        """Move the rod for a time from a place at a velocity, the slider being in the state `start`
+        (6,).
 
-        Rows (samples + 1, 13): time; the rod's place; x, y, theta of the centre of mass, their velocities; the rod's
-        force on the slider, and where (world frame). Raises ConvergenceError where the integrator gives up.
+        Rows (samples + 1, 13): time; the rod's place; x, y, theta of the centre of mass, their
+        velocities; the rod's force on the slider, and where (world frame). Raises ConvergenceError
+        where the integrator gives up.
         """
         integrator, observed = _functions(self)
         parameters = np.array([*rod, *velocity, time, *self.physics])
@@ -248,13 +300,18 @@ class LegEquations:
             found = integrator(x0=(start - wound) / _SCALES, p=parameters)
         except RuntimeError as cause:
             raise ConvergenceError(
-                f"the integrator of the dynamic simulation gave up at tolerance {self.tolerance:g}: choose a looser "
-                "one, a larger regularisation or a smaller stiffness"
+                "the integrator of the dynamic simulation gave up at tolerance "
+                f"{self.tolerance:g}: choose a looser one, a larger regularisation or a smaller "
+                "stiffness"
             ) from cause
-        scaled = np.column_stack([(start - wound) / _SCALES, np.array(found["xf"])]) + wound[:, None]
+        scaled = (
+            np.column_stack([(start - wound) / _SCALES, np.array(found["xf"])]) + wound[:, None]
+        )
         share = np.linspace(0.0, 1.0, self.samples + 1)
         seen = np.array(observed(share[None], scaled, parameters))
-        return np.column_stack([time * share, rod + np.outer(time * share, velocity), scaled.T * _SCALES, seen.T])
+        return np.column_stack(
+            [time * share, rod + np.outer(time * share, velocity), scaled.T * _SCALES, seen.T]
+        )
 
 
 @lru_cache(maxsize=32)
@@ -263,19 +320,35 @@ def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
 
     Both know the state in units of _SCALES.
     """
-    time, scaled, parameters = ca.SX.sym("time"), ca.SX.sym("scaled", 6), ca.SX.sym("parameters", len(LEG + PHYSICS))
+    time, scaled, parameters = (
+        ca.SX.sym("time"),
+        ca.SX.sym("scaled", 6),
+        ca.SX.sym("parameters", len(LEG + PHYSICS)),
+    )
     state, centre = _SCALES * scaled, ca.DM(leg.centre)
-    theta, omega, p = state[2], state[5], dict(zip(LEG + PHYSICS, ca.vertsplit(parameters), strict=True))
+    theta, omega, p = (
+        state[2],
+        state[5],
+        dict(zip(LEG + PHYSICS, ca.vertsplit(parameters), strict=True)),
+    )
     rod_velocity = ca.vertcat(p["rod_vx"], p["rod_vy"])
-    # What the contact sees, in the slider's axes: the rod from the centre of mass and from the place that it touches,
-    # and how fast it moves off that.
-    rod = _turned(ca.vertcat(p["rod_x"], p["rod_y"]) + rod_velocity * (p["duration"] * time) - state[:2], -theta)
+    # What the contact sees, in the slider's axes: the rod from the centre of mass and from the
+    # place that it touches, and how fast it moves off that.
+    rod = _turned(
+        ca.vertcat(p["rod_x"], p["rod_y"]) + rod_velocity * (p["duration"] * time) - state[:2],
+        -theta,
+    )
     touched = leg.touched
-    place = (ca.SX(ca.DM(touched)) if isinstance(touched, tuple) else nearest_place(touched, rod + centre)) - centre
+    place = (
+        ca.SX(ca.DM(touched))
+        if isinstance(touched, tuple)
+        else nearest_place(touched, rod + centre)
+    ) - centre
     lever = rod - place
     slip = _turned(rod_velocity - state[3:5], -theta) + omega * ca.vertcat(place[1], -place[0])
     if isinstance(touched, tuple):
-        # A spring and damper both ways; the root's small addend keeps its derivative finite where there is no force.
+        # A spring and damper both ways; the root's small addend keeps its derivative finite where
+        # there is no force.
         local = p["stiffness"] * lever + p["damping"] * slip
         size = ca.sqrt(local[0] ** 2 + local[1] ** 2 + 1e-16)
         pin = -p["pin_radius"] * size * omega / ca.sqrt(omega**2 + p["creep"] ** 2)
@@ -287,8 +360,16 @@ def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
     rates = ca.vertcat(state[3:], ca.vertcat(floor + force, torque / p["inertia"]) / p["froude"])
     problem = {"t": time, "x": scaled, "p": parameters, "ode": p["duration"] * rates / _SCALES}
     options = {
-        **{"reltol": leg.tolerance, "abstol": _ABSOLUTE * leg.tolerance, "nonlin_conv_coeff": _NEWTON_SHARE},
-        **{"max_num_steps": _MOST_STEPS, "disable_internal_warnings": True, "linear_solver": "csparse"},
+        **{
+            "reltol": leg.tolerance,
+            "abstol": _ABSOLUTE * leg.tolerance,
+            "nonlin_conv_coeff": _NEWTON_SHARE,
+        },
+        **{
+            "max_num_steps": _MOST_STEPS,
+            "disable_internal_warnings": True,
+            "linear_solver": "csparse",
+        },
     }
     grid = np.linspace(0.0, 1.0, leg.samples + 1)[1:].tolist()
     seen = ca.vertcat(force, state[:2] + _turned(place, theta))
@@ -297,14 +378,20 @@ def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
 
 
 def _on_outline(lever: ca.SX, slip: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
-    """Force of the rod on the outline: spring and damper that never pull, Coulomb friction faded below the creep."""
+    """Force of the rod on the outline: spring and damper that never pull, Coulomb friction faded
+    below the creep.
+    """
     distance = ca.sqrt(lever[0] ** 2 + lever[1] ** 2)
     out = lever / distance
     depth, closing = p["radius"] - distance, -slip[0] * out[0] - slip[1] * out[1]
     sideways = -slip[0] * out[1] + slip[1] * out[0]
-    normal = ca.if_else(depth > 0.0, ca.fmax(p["stiffness"] * depth + p["damping"] * closing, 0.0), 0.0)
+    normal = ca.if_else(
+        depth > 0.0, ca.fmax(p["stiffness"] * depth + p["damping"] * closing, 0.0), 0.0
+    )
     tangential = p["pusher_mu"] * normal * sideways / ca.sqrt(sideways**2 + p["creep"] ** 2)
-    return ca.vertcat(-normal * out[0] - tangential * out[1], -normal * out[1] + tangential * out[0])
+    return ca.vertcat(
+        -normal * out[0] - tangential * out[1], -normal * out[1] + tangential * out[0]
+    )
 
 
 def _floor(
@@ -312,8 +399,9 @@ def _floor(
 ) -> tuple[ca.SX, ca.SX]:
     """Force (world) and torque of the floor on the slider.
 
-    At every point the traction is the gradient of h(v) = s + m0 v_m + n0 v_n, the offset ellipse's (Ma & Rodriguez
-    2018, Eq. 2), with s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2 + mu_a mu_b creep^2): convex, smooth, exact far above creep.
+    At every point the traction is the gradient of h(v) = s + m0 v_m + n0 v_n, the offset ellipse's
+    (Ma & Rodriguez 2018, Eq. 2), with s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2 + mu_a mu_b creep^2):
+    convex, smooth, exact far above creep.
     """
     moving = _turned(velocity, -p["phi"])
     fading, force, torque = p["mu_a"] * p["mu_b"] * p["creep"] ** 2, ca.SX.zeros(2), 0.0
@@ -321,14 +409,18 @@ def _floor(
         lever = _turned(ca.DM(place) - ca.DM(leg.centre), theta - p["phi"])
         along, across = moving[0] - omega * lever[1], moving[1] + omega * lever[0]
         s = ca.sqrt((p["mu_a"] * along) ** 2 + (p["mu_b"] * across) ** 2 + fading)
-        traction = ca.vertcat(p["m0"] + p["mu_a"] ** 2 * along / s, p["n0"] + p["mu_b"] ** 2 * across / s)
+        traction = ca.vertcat(
+            p["m0"] + p["mu_a"] ** 2 * along / s, p["n0"] + p["mu_b"] ** 2 * across / s
+        )
         force -= weight * traction
         torque -= weight * (lever[0] * traction[1] - lever[1] * traction[0])
     return _turned(force, p["phi"]), torque
 
 
 def nearest_place(outline: Outline, place: ca.SX) -> ca.SX:
-    """Return where a convex outline is nearest to a place (2,) outside it; InvalidInput where it is concave."""
+    """Return where a convex outline is nearest to a place (2,) outside it; InvalidInput where it is
+    concave.
+    """
     if isinstance(outline, Ellipse):
         # Newton on the eccentric angle at which the lever to the place is normal to the outline.
         (x, y), a, b = ca.vertsplit(place), outline.semi_x, outline.semi_y
@@ -340,13 +432,15 @@ def nearest_place(outline: Outline, place: ca.SX) -> ca.SX:
         return ca.vertcat(a * ca.cos(angle), b * ca.sin(angle))
     if not outline.is_convex:
         raise InvalidInput(
-            "the dynamic simulation needs a convex outline, since a rod touches a concave one in two places at once: "
-            "use the quasi-static model"
+            "the dynamic simulation needs a convex outline, since a rod touches a concave one in "
+            "two places at once: use the quasi-static model"
         )
     nearest, least = ca.SX.zeros(2), ca.SX(np.inf)
     for a, b in zip(outline.array, np.roll(outline.array, -1, axis=0), strict=True):
         side, away = b - a, place - a
-        share = ca.fmin(ca.fmax((away[0] * side[0] + away[1] * side[1]) / float(side @ side), 0.0), 1.0)
+        share = ca.fmin(
+            ca.fmax((away[0] * side[0] + away[1] * side[1]) / float(side @ side), 0.0), 1.0
+        )
         foot = a + share * side
         square = (place[0] - foot[0]) ** 2 + (place[1] - foot[1]) ** 2
         nearest, least = ca.if_else(square < least, foot, nearest), ca.fmin(least, square)

@@ -8,10 +8,12 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
 
-# Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the second, per radius, as
-# well, since wedges are no sharper than a curve's rounding, and a rod that is no point keeps inside its curve there.
+# Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the
+# second, per radius, as well, since wedges are no sharper than a curve's rounding, and a rod that
+# is no point keeps inside its curve there.
 _SEAM, _WEDGE_SEAM = 1e-12, 1e-8
-# Travels that differ by less are one touch, which belongs to the piece that it lies on, not over the end of.
+# Travels that differ by less are one touch, which belongs to the piece that it lies on, not over
+# the end of.
 _SAME_TRAVEL = 1e-12
 # A rod this far inside still counts as touching.
 OVERLAP = 1e-9
@@ -22,10 +24,12 @@ _HALVINGS = 54
 def first_touches(
     pieces: tuple[OutlinePiece, ...], radius: float, starts: Array, directions: Array
 ) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return travel, piece and coordinate (n,) of the first touches of rods from starts (n, 2) in directions (n,), rad.
+    """Return travel, piece and coordinate (n,) of the first touches of rods from starts (n, 2) in
+    directions (n,), rad.
 
-    A rod that starts inside touched behind its start: its travel is negative. nan where a rod meets nothing. Where a
-    rod touches two pieces at once, in a wedge, one of them is returned, at its end.
+    A rod that starts inside touched behind its start: its travel is negative. nan where a rod meets
+    nothing. Where a rod touches two pieces at once, in a wedge, one of them is returned, at its
+    end.
     """
     count = len(starts)
     toward = np.column_stack([np.cos(directions), np.sin(directions)])
@@ -40,8 +44,8 @@ def first_touches(
             coordinates.append(np.clip(coordinate, piece.low, piece.high))
             owners.append(index)
     crossed, enters = np.array(travels), np.array(entering)
-    # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead. A rod that
-    # touches and moves away has left.
+    # Inside, the last crossing behind the start was an entry: that one counts, else the first entry
+    # ahead. A rod that touches and moves away has left.
     behind = np.where(crossed < np.where(enters, -OVERLAP, OVERLAP), crossed, -np.inf)
     last, column = np.argmax(behind, axis=0), np.arange(count)
     inside = np.isfinite(behind[last, column]) & enters[last, column]
@@ -59,7 +63,9 @@ def first_touches(
 def _crossings(
     piece: OutlinePiece, radius: float, starts: Array, toward: Array
 ) -> list[tuple[Array, Array, NDArray[np.bool_]]]:
-    """Where lines cross a piece of the contact curve: travel, coordinate, and whether they enter there, (n,) each."""
+    """Where lines cross a piece of the contact curve: travel, coordinate, and whether they enter
+    there, (n,) each.
+    """
     if isinstance(piece, SidePiece):
         normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
         closing = toward @ normal
@@ -96,7 +102,9 @@ def _crossings(
     return found
 
 
-def _from_line(piece: EllipsePiece, radius: float, angle: Array, starts: Array, toward: Array) -> tuple[Array, Array]:
+def _from_line(
+    piece: EllipsePiece, radius: float, angle: Array, starts: Array, toward: Array
+) -> tuple[Array, Array]:
     """How far the rod's centre at an eccentric angle is beside the line, and along it."""
     c, s = np.cos(angle), np.sin(angle)
     speed = np.hypot(piece.semi_y * c, piece.semi_x * s)

@@ -27,22 +27,26 @@ _THINNEST = 1e-4
 
 @dataclass(frozen=True)
 class PatchFootprint:
-    """Pressure of an outline, exact, without a grid, as a sum of parts whose shares of the load add to one.
+    """Pressure of an outline, exact, without a grid, as a sum of parts whose shares of the load add
+    to one.
 
-    even, over the whole area: what is left; inner, over the outline scaled by INNER about its centroid; rim, a line
-    load along the outline (per length as far as the side is from the centroid; on an ellipse alike in the eccentric
-    angle); corners, on the vertices of a polygon alike. Where the centre of pressure is not that of the parts, the even
-    part leans, as a rigid object does: per unit load its pressure is (share + gradient . x)/A, x = r - centroid.
+    even, over the whole area: what is left; inner, over the outline scaled by INNER about its
+    centroid; rim, a line load along the outline (per length as far as the side is from the
+    centroid; on an ellipse alike in the eccentric angle); corners, on the vertices of a polygon
+    alike. Where the centre of pressure is not that of the parts, the even part leans, as a rigid
+    object does: per unit load its pressure is (share + gradient . x)/A, x = r - centroid.
 
     Parameters
     ----------
     outline : what touches the ground.
     inner_share, rim_share, corner_share : numbers from 0 to 1, together at most 1 (InvalidInput).
-    centre : centre of pressure, m; None: the centroid. The pressure must not be negative anywhere (InvalidInput).
+    centre : centre of pressure, m; None: the centroid. The pressure must not be negative anywhere
+        (InvalidInput).
 
-    From them: even_share; extent, m, of the outline; second_moments (2, 2), m^2, means of x x^T over its area;
-    gradient, 1/m, and balance, its derivative by the corner share; has_frame, whether it can have an inner and a rim
-    share: the scaled outline lies inside, as it does in every convex one.
+    From them: even_share; extent, m, of the outline; second_moments (2, 2), m^2, means of x x^T
+    over its area; gradient, 1/m, and balance, its derivative by the corner share; has_frame,
+    whether it can have an inner and a rim share: the scaled outline lies inside, as it does in
+    every convex one.
 
     >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.25).even_share
     0.75
@@ -65,37 +69,55 @@ class PatchFootprint:
         for name in ("inner_share", "rim_share", "corner_share"):
             vars(self)[name] = finite_number(name.replace("_", " "), getattr(self, name))
             if not 0.0 <= getattr(self, name) <= 1.0:
-                raise InvalidInput(f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1")
-        told = f"inner share {self.inner_share}, rim share {self.rim_share} and corner share {self.corner_share}"
+                raise InvalidInput(
+                    f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1"
+                )
+        told = (
+            f"inner share {self.inner_share}, rim share {self.rim_share} and corner share "
+            f"{self.corner_share}"
+        )
         even_share = 1.0 - self.inner_share - self.rim_share - self.corner_share
         if even_share < -_ROUNDING:
-            raise InvalidInput(f"{told} add to {1.0 - even_share:.6g}: together they may be 1 at most")
+            raise InvalidInput(
+                f"{told} add to {1.0 - even_share:.6g}: together they may be 1 at most"
+            )
         if self.corner_share != 0.0 and isinstance(outline, Ellipse):
-            raise InvalidInput(f"corner share {self.corner_share}: an ellipse has no corners; choose 0")
+            raise InvalidInput(
+                f"corner share {self.corner_share}: an ellipse has no corners; choose 0"
+            )
         moments, corners, has_frame = _shape_of(outline)
         if (self.inner_share != 0.0 or self.rim_share != 0.0) and not has_frame:
             raise InvalidInput(
-                f"inner share {self.inner_share}, rim share {self.rim_share}: the outline scaled by {INNER} about its "
-                "centroid does not lie inside this concave outline; leave both at 0 or give support points"
+                f"inner share {self.inner_share}, rim share {self.rim_share}: the outline scaled "
+                f"by {INNER} about its centroid does not lie inside this concave outline; leave "
+                "both at 0 or give support points"
             )
-        centre = outline.centroid if self.centre is None else point("centre of pressure", self.centre)
-        off = np.column_stack([np.subtract(centre, outline.centroid) - self.corner_share * corners, -corners])
+        centre = (
+            outline.centroid if self.centre is None else point("centre of pressure", self.centre)
+        )
+        off = np.column_stack(
+            [np.subtract(centre, outline.centroid) - self.corner_share * corners, -corners]
+        )
         off[:, np.hypot(*off) <= 1e-12 * outline.extent] = 0.0
         gradient, balance = map(tuple, np.linalg.solve(moments, off).T.tolist())
         lift = even_share + float((outline.points(720) - outline.centroid).dot(gradient).min())
         if lift < -_ROUNDING:
             raise InvalidInput(
-                f"centre of pressure {centre} m with {told} lifts the outline off the ground (least pressure "
-                f"{lift:.3g} of the mean): bring it nearer to the centroid, leave more of the load even, or give "
-                "support points"
+                f"centre of pressure {centre} m with {told} lifts the outline off the ground "
+                f"(least pressure {lift:.3g} of the mean): bring it nearer to the centroid, leave "
+                "more of the load even, or give support points"
             )
-        vars(self).update(centre=centre, even_share=even_share, extent=outline.extent, second_moments=moments)
+        vars(self).update(
+            centre=centre, even_share=even_share, extent=outline.extent, second_moments=moments
+        )
         vars(self).update(gradient=gradient, balance=balance, has_frame=has_frame)
 
 
 @lru_cache(maxsize=256)
 def _shape_of(outline: Outline) -> tuple[Array, Array, bool]:
-    """Second moments (2, 2), the mean corner off the centroid (2,), and whether it has a frame; refuses thin ones."""
+    """Second moments (2, 2), the mean corner off the centroid (2,), and whether it has a frame;
+    refuses thin ones.
+    """
     points, weights = area_quadrature(outline)
     lever = points - outline.centroid
     moments = np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
@@ -106,11 +128,13 @@ def _shape_of(outline: Outline) -> tuple[Array, Array, bool]:
         thickness = float(np.sqrt(12.0 * max(np.linalg.eigvalsh(moments)[0], 0.0)) / outline.extent)
         corners = np.asarray(outline.array.mean(axis=0) - outline.centroid)
         inside = outline.scaled(INNER, outline.centroid)
-        has_frame = outline.is_convex or (bool(np.all(side_arms(outline) > 0.0)) and outline.encloses(inside))
+        has_frame = outline.is_convex or (
+            bool(np.all(side_arms(outline) > 0.0)) and outline.encloses(inside)
+        )
     if thickness < _THINNEST:
         raise InvalidInput(
-            f"the outline is {thickness:.3g} times as thick as it is long: below {_THINNEST} its pressure cannot be "
-            "summed accurately; give support points along a line instead"
+            f"the outline is {thickness:.3g} times as thick as it is long: below {_THINNEST} its "
+            "pressure cannot be summed accurately; give support points along a line instead"
         )
     return moments, corners, has_frame
 
@@ -123,9 +147,11 @@ def side_arms(outline: Polygon) -> Array:
 
 @dataclass(frozen=True)
 class PointFootprint:
-    """Weight carried by points: positions (k, 2), m, and their shares of the load, positive, scaled to sum one.
+    """Weight carried by points: positions (k, 2), m, and their shares of the load, positive, scaled
+    to sum one.
 
-    From them: quadrature, both as arrays; centre, m, of pressure; extent, m, the largest distance from it.
+    From them: quadrature, both as arrays; centre, m, of pressure; extent, m, the largest distance
+    from it.
 
     >>> PointFootprint(((0.0, 0.0), (2.0, 0.0)), (1.0, 3.0)).centre
     (1.5, 0.0)
@@ -141,12 +167,20 @@ class PointFootprint:
         points = finite_array("support points", self.positions, last=2)
         weights = finite_array("support weights", self.weights)
         if points.ndim != 2 or weights.shape != points.shape[:1]:
-            raise InvalidInput(f"support points (k, 2) and weights (k,) do not match: {points.shape}, {weights.shape}")
+            raise InvalidInput(
+                f"support points (k, 2) and weights (k,) do not match: {points.shape}, "
+                f"{weights.shape}"
+            )
         if np.any(weights < 0.0) or not weights.sum() > 0.0:
-            raise InvalidInput(f"support weights must not be negative and not all zero: the least is {weights.min()}")
+            raise InvalidInput(
+                "support weights must not be negative and not all zero: the least is "
+                f"{weights.min()}"
+            )
         points, weights = points[weights > 0.0], weights[weights > 0.0]
         if np.ptp(points, axis=0).max() == 0.0:
-            raise InvalidInput("a footprint needs two support points apart: one point alone resists no turning")
+            raise InvalidInput(
+                "a footprint needs two support points apart: one point alone resists no turning"
+            )
         weights = weights / weights.sum()
         x, y = weights @ points
         vars(self).update(
@@ -162,23 +196,31 @@ Footprint = PatchFootprint | PointFootprint
 
 
 def grid_footprint(outline: Outline, count: int) -> PointFootprint:
-    """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box, where inside, alike.
+    """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box,
+    where inside, alike.
 
-    Ma & Rodriguez (2018) use count = 8. From 2 to 99 (InvalidInput): each point weighs in every step of every push.
+    Ma & Rodriguez (2018) use count = 8. From 2 to 99 (InvalidInput): each point weighs in every
+    step of every push.
 
     >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
     12
     """
     if whole_number("points a side of a grid footprint", count, least=2) > _MOST_ASIDE:
-        raise InvalidInput(f"a grid footprint of {count} points a side: the points a side must be below 100")
+        raise InvalidInput(
+            f"a grid footprint of {count} points a side: the points a side must be below 100"
+        )
     corners = outline.points(4)
     low, high = corners.min(axis=0), corners.max(axis=0)
     share = (np.arange(count) + 0.5) / count
-    x, y = np.meshgrid(low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), indexing="ij")
+    x, y = np.meshgrid(
+        low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), indexing="ij"
+    )
     cells = np.stack([x.ravel(), y.ravel()], axis=-1)
     inside = cells[outline.contains(cells)]
     if len(inside) < 2:
-        raise InvalidInput(f"a {count} x {count} grid has {len(inside)} points inside the outline: make it finer")
+        raise InvalidInput(
+            f"a {count} x {count} grid has {len(inside)} points inside the outline: make it finer"
+        )
     return PointFootprint(tuple(map(tuple, inside.tolist())), (1.0,) * len(inside))
 
 
@@ -190,12 +232,15 @@ def corner_footprint(outline: Polygon) -> PointFootprint:
 def load_footprint(path: str | Path) -> PointFootprint:
     """Read support points from a CSV file with the columns x_mm, y_mm, weight (object frame).
 
-    Raises DataFileError, naming file and line, for a missing file or column, or a row that is not three numbers.
+    Raises DataFileError, naming file and line, for a missing file or column, or a row that is not
+    three numbers.
     """
     table = read_csv_table(path)
     columns = ("x_mm", "y_mm", "weight")
     require_columns(table, columns)
-    x_mm, y_mm, weight = np.array([[table.number(row, name) for name in columns] for row in table.rows]).T
+    x_mm, y_mm, weight = np.array(
+        [[table.number(row, name) for name in columns] for row in table.rows]
+    ).T
     try:
         return PointFootprint(tuple(zip(x_mm * 1e-3, y_mm * 1e-3, strict=True)), tuple(weight))
     except InvalidInput as cause:
@@ -203,7 +248,8 @@ def load_footprint(path: str | Path) -> PointFootprint:
 
 
 def parse_footprint(text: str, outline: Outline) -> Footprint:
-    """Return the footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV file.
+    """Return the footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV
+    file.
 
     >>> parse_footprint("corners", Polygon(((0, 0), (1, 0), (1, 1)))).positions[2]
     (1.0, 1.0)
@@ -216,16 +262,19 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
         return grid_footprint(outline, int(text[5:]))
     if text.endswith(".csv"):
         return load_footprint(text)
-    raise InvalidInput(f"footprint {text!r} is none of: exact, grid:N, corners (polygons), FILE.csv")
+    raise InvalidInput(
+        f"footprint {text!r} is none of: exact, grid:N, corners (polygons), FILE.csv"
+    )
 
 
 def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
-    """Return support points that carry the load of a footprint: points as they are, a patch on `count` x `count`.
+    """Return support points that carry the load of a footprint: points as they are, a patch on
+    `count` x `count`.
 
-    The even part becomes the paper's grid (`grid_footprint`), weighted where it leans; the inner part that grid scaled;
-    the rim about 4 `count` points along the outline, and the corners themselves; all then weighted with 1 + c . x, so
-    that the centre of pressure is the patch's to rounding. InvalidInput where that takes negative weights: steep leans
-    on coarse grids.
+    The even part becomes the paper's grid (`grid_footprint`), weighted where it leans; the inner
+    part that grid scaled; the rim about 4 `count` points along the outline, and the corners
+    themselves; all then weighted with 1 + c . x, so that the centre of pressure is the patch's to
+    rounding. InvalidInput where that takes negative weights: steep leans on coarse grids.
     """
     if isinstance(footprint, PointFootprint):
         return footprint
@@ -244,23 +293,29 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
         loads.append(footprint.rim_share * shares)
     if footprint.corner_share and not isinstance(footprint.outline, Ellipse):
         points.append(footprint.outline.array)
-        loads.append(np.full(footprint.outline.sides, footprint.corner_share / footprint.outline.sides))
+        loads.append(
+            np.full(footprint.outline.sides, footprint.corner_share / footprint.outline.sides)
+        )
     places, load = np.concatenate(points), np.concatenate(loads)
     load = np.where(np.abs(load) < _NO_LOAD / len(load), 0.0, load)
     mean = load @ places / load.sum()
     lever = places - mean
-    lean = np.linalg.solve((load[:, None] * lever).T @ lever / load.sum(), np.subtract(footprint.centre, mean))
+    lean = np.linalg.solve(
+        (load[:, None] * lever).T @ lever / load.sum(), np.subtract(footprint.centre, mean)
+    )
     weights = load * (1.0 + lever @ lean)
     if weights.min() < 0.0:
         raise InvalidInput(
-            f"this footprint's pressure cannot be carried by support points (least load {weights.min():.3g}): set the "
-            "footprint to points, such as grid:8 or a CSV file"
+            "this footprint's pressure cannot be carried by support points (least load "
+            f"{weights.min():.3g}): set the footprint to points, such as grid:8 or a CSV file"
         )
     return PointFootprint(tuple(map(tuple, places.tolist())), tuple(weights.tolist()))
 
 
 def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
-    """Points (k, 2), m, along the outline, and the shares (k,) of the rim's load that belong to them."""
+    """Points (k, 2), m, along the outline, and the shares (k,) of the rim's load that belong to
+    them.
+    """
     outline = footprint.outline
     if isinstance(outline, Ellipse):
         angle = 2.0 * math.pi * (np.arange(count) + 0.5) / count
@@ -270,7 +325,9 @@ def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
     end = np.roll(start, -1, axis=0)
     length = np.hypot(*(end - start).T)
     points, shares = [], []
-    for a, b, share, number in zip(start, end, arms / arms.sum(), np.rint(count * length / length.sum()), strict=True):
+    for a, b, share, number in zip(
+        start, end, arms / arms.sum(), np.rint(count * length / length.sum()), strict=True
+    ):
         pieces = max(int(number), 1)
         points.append(a + ((np.arange(pieces) + 0.5) / pieces)[:, None] * (b - a))
         shares.append(np.full(pieces, share / pieces))

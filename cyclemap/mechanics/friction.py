@@ -1,4 +1,6 @@
-"""Friction: of one point, the offset limit ellipse of Ma & Rodriguez (2018), as it wears, and of a whole footprint."""
+"""Friction: of one point, the offset limit ellipse of Ma & Rodriguez (2018), as it wears, and of a
+whole footprint.
+"""
 
 import math
 from dataclasses import dataclass
@@ -16,15 +18,18 @@ from cyclemap.mechanics.footprint import Footprint
 class EllipseFriction:
     """Friction of one support point whose limit curve is an ellipse off its centre.
 
-    In the material's axes (m, n), turned by `phi` (rad) counter-clockwise from the surface's x axis, the dissipation
-    per unit load and distance is the support function of the limit ellipse (Ma & Rodriguez 2018, Eq. 2):
+    In the material's axes (m, n), turned by `phi` (rad) counter-clockwise from the surface's x
+    axis, the dissipation per unit load and distance is the support function of the limit ellipse
+    (Ma & Rodriguez 2018, Eq. 2):
 
         h(v) = s + m0 v_m + n0 v_n,   s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2)
 
-    and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2 v_n / s.
+    and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2 v_n
+    / s.
 
-    Raises InvalidInput where a value is not finite, an axis is not positive, or the centre lies so far out that some
-    direction of sliding would not dissipate: (m0/mu_a)^2 + (n0/mu_b)^2 must be below one.
+    Raises InvalidInput where a value is not finite, an axis is not positive, or the centre lies so
+    far out that some direction of sliding would not dissipate: (m0/mu_a)^2 + (n0/mu_b)^2 must be
+    below one.
 
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
     array(0.3)
@@ -43,9 +48,9 @@ class EllipseFriction:
             object.__setattr__(self, name, finite_number(name, getattr(self, name)))
         if math.hypot(self.m0 / self.mu_a, self.n0 / self.mu_b) >= 1.0:
             raise InvalidInput(
-                f"the friction ellipse mu_a={self.mu_a}, mu_b={self.mu_b} with centre m0={self.m0}, n0={self.n0} "
-                "does not contain zero, so some direction of sliding would gain energy: "
-                "choose (m0/mu_a)^2 + (n0/mu_b)^2 < 1"
+                f"the friction ellipse mu_a={self.mu_a}, mu_b={self.mu_b} with centre "
+                f"m0={self.m0}, n0={self.n0} does not contain zero, so some direction of sliding "
+                "would gain energy: choose (m0/mu_a)^2 + (n0/mu_b)^2 < 1"
             )
 
     @classmethod
@@ -60,38 +65,52 @@ class EllipseFriction:
     def dissipation(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
         """Power lost per unit load: velocities (..., 2), m/s -> (...), m/s.
 
-        `frame` (rad) is the angle of the frame in which the velocity is given, seen from the surface.
+        `frame` (rad) is the angle of the frame in which the velocity is given, seen from the
+        surface.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
-        return np.asarray(np.hypot(self.mu_a * v_m, self.mu_b * v_n) + self.m0 * v_m + self.n0 * v_n)
+        return np.asarray(
+            np.hypot(self.mu_a * v_m, self.mu_b * v_n) + self.m0 * v_m + self.n0 * v_n
+        )
 
     def traction(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Traction coefficients (..., 2) at sliding velocities (..., 2), both in the frame at angle `frame`.
+        """Traction coefficients (..., 2) at sliding velocities (..., 2), both in the frame at angle
+        `frame`.
 
-        The force on the point is minus this, times the load. InvalidInput at rest, where friction is not unique.
+        The force on the point is minus this, times the load. InvalidInput at rest, where friction
+        is not unique.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
         s = np.hypot(self.mu_a * v_m, self.mu_b * v_n)
         if np.any(s == 0.0):
-            raise InvalidInput("traction needs a sliding velocity: a velocity is zero, where friction is not unique")
+            raise InvalidInput(
+                "traction needs a sliding velocity: a velocity is zero, where friction is not "
+                "unique"
+            )
         t_m, t_n = self.m0 + self.mu_a**2 * v_m / s, self.n0 + self.mu_b**2 * v_n / s
         c, k = math.cos(self.phi - frame), math.sin(self.phi - frame)
         return np.stack([c * t_m - k * t_n, k * t_m + c * t_n], axis=-1)
 
-    def _in_material_axes(self, velocity: ArrayLike, frame: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _in_material_axes(
+        self, velocity: ArrayLike, frame: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         v = np.asarray(velocity, dtype=float)
         if v.shape[-1:] != (2,) or not np.all(np.isfinite(v)):
-            raise InvalidInput(f"velocities must be finite with shape (..., 2), not {v.shape}: {velocity!r}")
+            raise InvalidInput(
+                f"velocities must be finite with shape (..., 2), not {v.shape}: {velocity!r}"
+            )
         c, k = math.cos(self.phi - frame), math.sin(self.phi - frame)
         return c * v[..., 0] + k * v[..., 1], -k * v[..., 0] + c * v[..., 1]
 
 
 def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:
-    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they were given.
+    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they
+    were given.
 
-    The ellipse's centre c = R(φ)(m0, n0) and shape matrix S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ go in a straight line, so
-    that angles that name the same ellipse (φ, φ + π; φ + π/2 with the axes exchanged) make no difference. cᵀ S⁻¹ c,
-    which must be below one, is jointly convex in (c, S). Between the ends mu_a is of the axis nearest to `fresh`'s.
+    The ellipse's centre c = R(φ)(m0, n0) and shape matrix S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ go in a
+    straight line, so that angles that name the same ellipse (φ, φ + π; φ + π/2 with the axes
+    exchanged) make no difference. cᵀ S⁻¹ c, which must be below one, is jointly convex in (c, S).
+    Between the ends mu_a is of the axis nearest to `fresh`'s.
 
     >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
     >>> round(between.mu_a, 6), between.mu_b, between.m0
@@ -121,10 +140,11 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 class LimitSurface:
     """Friction of a whole footprint, in its own frame, per unit load.
 
-    The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy, omega) of the frame's
-    origin; the friction wrench on the object is -grad D (maximum dissipation; Goyal, Ruina & Papadopoulos 1991).
-    Exact footprints are accurate to 1e-10 relative where the outline is at least 1 % as thick as it is long; thinner
-    ones, and those that lean, lose digits in proportion: to 1e-6 at 1e-4, the thinnest that there may be.
+    The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy, omega) of
+    the frame's origin; the friction wrench on the object is -grad D (maximum dissipation; Goyal,
+    Ruina & Papadopoulos 1991). Exact footprints are accurate to 1e-10 relative where the outline is
+    at least 1 % as thick as it is long; thinner ones, and those that lean, lose digits in
+    proportion: to 1e-6 at 1e-4, the thinnest that there may be.
 
     >>> from cyclemap.mechanics import Ellipse, PatchFootprint
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
@@ -136,11 +156,15 @@ class LimitSurface:
     friction: EllipseFriction
 
     def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Return D at twists (..., 3) (m/s, m/s, rad/s), in m/s; `frame` is the orientation of the object, rad."""
+        """Return D at twists (..., 3) (m/s, m/s, rad/s), in m/s; `frame` is the orientation of the
+        object, rad.
+        """
         return self._evaluate(twist, frame)[..., 0]
 
     def wrench(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Return grad D, (..., 3): (fx, fy) and the torque (m) about the frame's origin that keep the object moving."""
+        """Return grad D, (..., 3): (fx, fy) and the torque (m) about the frame's origin that keep
+        the object moving.
+        """
         return self._evaluate(twist, frame)[..., 1:4]
 
     def hessian(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
@@ -151,7 +175,8 @@ class LimitSurface:
     def _evaluate(self, twist: ArrayLike, frame: float) -> NDArray[np.float64]:
         twists = finite_array("twist", twist, last=3)
         size, law = self.footprint.extent, self.friction
-        # Lengths in extents: (v, omega) -> (v, omega size), D unchanged, derivatives by omega times size.
+        # Lengths in extents: (v, omega) -> (v, omega size), D unchanged, derivatives by omega times
+        # size.
         scale = np.array([1.0, 1.0, size])
         columns = (twists * scale).reshape(-1, 3)
         if np.any(np.all(columns == 0.0, axis=1)):

@@ -1,4 +1,6 @@
-"""Materials: a surface's point friction, with its name, where its numbers come from, and what was found with them."""
+"""Materials: a surface's point friction, with its name, where its numbers come from, and what was
+found with them.
+"""
 
 import math
 import re
@@ -16,7 +18,10 @@ from cyclemap.plain_text import printable
 # Names of a material file, with what `FoundWith` calls them and the SI units of one of theirs.
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
-FOUND_KEYS = {"pusher_mu": ("pusher_friction", 1.0), "pin_friction_mm": ("pin_friction_radius", 1e-3)}
+FOUND_KEYS = {
+    "pusher_mu": ("pusher_friction", 1.0),
+    "pin_friction_mm": ("pin_friction_radius", 1e-3),
+}
 # Friction coefficients of dry surfaces are below the one; none is known above the other.
 _USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 # Rows of a posterior: a sample tells a 95 % interval to a hundredth of its width with less.
@@ -27,9 +32,11 @@ _LONGEST_SHIFT = 0.02
 
 @dataclass(frozen=True)
 class FoundWith:
-    """What was identified together with a surface's friction; None where it was not: the loop's own value holds.
+    """What was identified together with a surface's friction; None where it was not: the loop's own
+    value holds.
 
-    pusher_friction : coefficient of rod and object. pin_friction_radius : m, of the rod in the ring.
+    pusher_friction : coefficient of rod and object. pin_friction_radius : m, of the rod in the
+        ring.
     """
 
     pusher_friction: float | None = None
@@ -38,9 +45,11 @@ class FoundWith:
 
 @dataclass(frozen=True)
 class PlatePressure:
-    """How a plate's weight rests on this surface: shares of the load, the rest even (`PatchFootprint`).
+    """How a plate's weight rests on this surface: shares of the load, the rest even
+    (`PatchFootprint`).
 
-    plate : the name of the `Slider`. inner_share, rim_share, corner_share : from 0 to 1, together at most 1
+    plate : the name of the `Slider`. inner_share, rim_share, corner_share : from 0 to 1, together
+        at most 1
     (InvalidInput). They belong to the pair of plate and surface.
     """
 
@@ -51,13 +60,19 @@ class PlatePressure:
 
     def __post_init__(self) -> None:
         if not self.plate or printable(self.plate) != self.plate:
-            raise InvalidInput(f"a plate's name is {self.plate!r}: it must be the name of a slider, such as rect1")
+            raise InvalidInput(
+                f"a plate's name is {self.plate!r}: it must be the name of a slider, such as rect1"
+            )
         for key in SHARE_KEYS:
-            object.__setattr__(self, key, finite_number(f"{key} of {self.plate}", getattr(self, key)))
+            object.__setattr__(
+                self, key, finite_number(f"{key} of {self.plate}", getattr(self, key))
+            )
         shares = self.shares
         if min(shares.values()) < 0.0 or sum(shares.values()) > 1.0 + 1e-12:
             told = ", ".join(f"{key} {value:g}" for key, value in shares.items())
-            raise InvalidInput(f"{told} of {self.plate}: shares must not be negative, and together be at most 1")
+            raise InvalidInput(
+                f"{told} of {self.plate}: shares must not be negative, and together be at most 1"
+            )
 
     @property
     def shares(self) -> dict[str, float]:
@@ -67,10 +82,11 @@ class PlatePressure:
 
 @dataclass(frozen=True)
 class FrameShift:
-    """What to add to the robot's places (m) to have them in the camera's frame, in the data of one plate.
+    """What to add to the robot's places (m) to have them in the camera's frame, in the data of one
+    plate.
 
-    It belongs to those data, not to the surface: they are replayed with it, nothing is predicted with it.
-    Raises InvalidInput for a shift that is not finite or longer than 20 mm.
+    It belongs to those data, not to the surface: they are replayed with it, nothing is predicted
+    with it. Raises InvalidInput for a shift that is not finite or longer than 20 mm.
     """
 
     plate: str
@@ -79,12 +95,14 @@ class FrameShift:
 
     def __post_init__(self) -> None:
         for name in ("x", "y"):
-            value = finite_number(f"shift of the frames of {self.plate} along {name}", getattr(self, name))
+            value = finite_number(
+                f"shift of the frames of {self.plate} along {name}", getattr(self, name)
+            )
             object.__setattr__(self, name, value)
         if math.hypot(self.x, self.y) > _LONGEST_SHIFT:
             raise InvalidInput(
-                f"the frames of {self.plate} are shifted by {1e3 * math.hypot(self.x, self.y):.3g} mm: more than "
-                f"{1e3 * _LONGEST_SHIFT:g} mm is no calibration"
+                f"the frames of {self.plate} are shifted by {1e3 * math.hypot(self.x, self.y):.3g} "
+                f"mm: more than {1e3 * _LONGEST_SHIFT:g} mm is no calibration"
             )
 
 
@@ -94,9 +112,12 @@ class MaterialPosterior:
 
     Samples, not a covariance: the angle of an ellipse is undetermined where it is nearly a circle.
 
-    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg; the same of the worn friction
-    with `worn.` before them; pusher_mu and what else [found_with] holds; shares of a plate as `rect1.rim_share`.
-    samples : (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name that is unknown or
+    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg; the same of
+    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg; the same of
+        the worn friction with `worn.` before them; pusher_mu and what else [found_with] holds;
+        shares of a plate as `rect1.rim_share`.
+    samples : (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name
+        that is unknown or
     given twice, rows of another length, and numbers that are not finite.
 
     >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).samples[1]
@@ -113,16 +134,24 @@ class MaterialPosterior:
             if plain in FRICTION_KEYS or name in FOUND_KEYS or _plate_share(name):
                 continue
             known = (*FRICTION_KEYS, *(f"worn.{key}" for key in FRICTION_KEYS), *FOUND_KEYS)
-            raise unknown_name("posterior parameter", name, (*known, *(f"rect1.{key}" for key in SHARE_KEYS)))
+            raise unknown_name(
+                "posterior parameter", name, (*known, *(f"rect1.{key}" for key in SHARE_KEYS))
+            )
         twice = [name for name in names if names.count(name) > 1]
         if twice or not names:
-            raise InvalidInput(f"a posterior names {twice[0]} twice" if twice else "a posterior needs parameters")
+            raise InvalidInput(
+                f"a posterior names {twice[0]} twice" if twice else "a posterior needs parameters"
+            )
         for number, row in enumerate(self.samples):
             if not isinstance(row, list | tuple) or len(row) != len(names):
-                raise InvalidInput(f"posterior sample {number} must hold {len(names)} numbers, one a parameter")
+                raise InvalidInput(
+                    f"posterior sample {number} must hold {len(names)} numbers, one a parameter"
+                )
         rows = finite_array("posterior samples", self.samples)
         if not 2 <= len(rows) <= _MOST_SAMPLES:
-            raise InvalidInput(f"a posterior has {len(rows)} samples: it needs from 2 to {_MOST_SAMPLES}")
+            raise InvalidInput(
+                f"a posterior has {len(rows)} samples: it needs from 2 to {_MOST_SAMPLES}"
+            )
         object.__setattr__(self, "parameters", names)
         object.__setattr__(self, "samples", tuple(map(tuple, rows.tolist())))
 
@@ -132,10 +161,13 @@ class MaterialPosterior:
 
 @dataclass(frozen=True)
 class Wear:
-    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way (`worn_friction`).
+    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way
+    (`worn_friction`).
 
-    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last, both increasing,
-    shares in [0, 1], straight between; without it the pace is even. Raises InvalidInput for another course.
+    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last,
+    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last,
+        both increasing, shares in [0, 1], straight between; without it the pace is even. Raises
+        InvalidInput for another course.
     """
 
     friction: EllipseFriction
@@ -147,10 +179,14 @@ class Wear:
         if len(self.course):
             course = finite_array("course of wear", self.course, last=2)
             whole = np.vstack([[0.0, 0.0], np.atleast_2d(course), [self.cycles, 1.0]])
-            if course.ndim != 2 or np.any(np.diff(whole[:, 0]) <= 0.0) or np.any(np.diff(whole[:, 1]) < 0.0):
+            if (
+                course.ndim != 2
+                or np.any(np.diff(whole[:, 0]) <= 0.0)
+                or np.any(np.diff(whole[:, 1]) < 0.0)
+            ):
                 raise InvalidInput(
-                    f"the course of wear {course.tolist()} must be pairs [cycles, share] that increase, between "
-                    f"[0, 0] and [{self.cycles:g}, 1]"
+                    f"the course of wear {course.tolist()} must be pairs [cycles, share] that "
+                    f"increase, between [0, 0] and [{self.cycles:g}, 1]"
                 )
             object.__setattr__(self, "course", tuple(map(tuple, course.tolist())))
 
@@ -162,9 +198,11 @@ class Wear:
 
 @dataclass(frozen=True)
 class CycleNoise:
-    """What a cycle on this surface scatters by, as measured: log of the standard deviation (rad) over θ0, and memory.
+    """What a cycle on this surface scatters by, as measured: log of the standard deviation (rad)
+    over θ0, and memory.
 
-    log_sigma : c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad. correlation : in [0, 1), of
+    log_sigma : c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad.
+        correlation : in [0, 1), of
     successive cycles.
     """
 
@@ -174,20 +212,28 @@ class CycleNoise:
     def __post_init__(self) -> None:
         numbers = finite_array("log_sigma", self.log_sigma, ndim=1)
         if numbers.size % 2 == 0:
-            raise InvalidInput(f"log_sigma has {numbers.size} numbers: it takes one, and pairs of cosine and sine")
+            raise InvalidInput(
+                f"log_sigma has {numbers.size} numbers: it takes one, and pairs of cosine and sine"
+            )
         object.__setattr__(self, "log_sigma", tuple(numbers.tolist()))
         if not 0.0 <= finite_number("correlation", self.correlation) < 1.0:
-            raise InvalidInput(f"correlation of successive cycles is {self.correlation:g}: it must lie in [0, 1)")
+            raise InvalidInput(
+                f"correlation of successive cycles is {self.correlation:g}: it must lie in [0, 1)"
+            )
 
 
 @dataclass(frozen=True)
 class Material:
     """A surface: its name, its point friction against the slider, and the source of the numbers.
 
-    misfit : how far the data lie from what the numbers predict, in words. inferred : whether from how objects moved
-    rather than from forces. found_with : what was identified along with the friction. wear : how it changes; None: not.
-    plates : how plates press on it, those not named evenly. frames : shifts of the frames of the data behind it.
-    posterior : what else the data allow; noise : of a cycle, as measured; None where that is not known. InvalidInput
+    misfit : how far the data lie from what the numbers predict, in words. inferred : whether from
+    misfit : how far the data lie from what the numbers predict, in words. inferred : whether from
+        how objects moved rather than from forces. found_with : what was identified along with the
+        friction. wear : how it changes; None: not.
+    plates : how plates press on it, those not named evenly. frames : shifts of the frames of the
+        data behind it.
+    posterior : what else the data allow; noise : of a cycle, as measured; None where that is not
+        known. InvalidInput
     where a sample of the posterior is no material.
     """
 
@@ -206,15 +252,22 @@ class Material:
     def __post_init__(self) -> None:
         object.__setattr__(self, "plates", tuple(self.plates))
         object.__setattr__(self, "frames", tuple(self.frames))
-        if not re.search(r"[^\W_]", self.name) or printable(self.name) != self.name or "\n" in self.name:
+        if (
+            not re.search(r"[^\W_]", self.name)
+            or printable(self.name) != self.name
+            or "\n" in self.name
+        ):
             raise InvalidInput(
-                f"a material's name is {self.name!r}: it names files and is printed, so it needs a letter or a "
-                "digit, and no control characters"
+                f"a material's name is {self.name!r}: it names files and is printed, so it needs a "
+                "letter or a digit, and no control characters"
             )
         for friction in (self.friction, *([self.wear.friction] if self.wear else [])):
             largest = max(friction.mu_a, friction.mu_b)
             if largest > _LARGEST_FRICTION:
-                raise InvalidInput(f"friction of {largest:g} is that of no surface: give a coefficient, not per cent")
+                raise InvalidInput(
+                    f"friction of {largest:g} is that of no surface: give a coefficient, not per "
+                    "cent"
+                )
             if largest > _USUAL_FRICTION:
                 warnings.warn(
                     f"friction of {largest:g} is more than rubber's: is that the coefficient?",
@@ -223,24 +276,32 @@ class Material:
                 )
         names = [one.plate for one in self.plates]
         if len(set(names)) < len(names):
-            raise InvalidInput(f"a material tells the pressure of a plate twice: {', '.join(names)}")
+            raise InvalidInput(
+                f"a material tells the pressure of a plate twice: {', '.join(names)}"
+            )
         if self.posterior is not None:
             self._check_posterior(self.posterior)
 
     def _check_posterior(self, posterior: MaterialPosterior) -> None:
         fresh = {name for name in posterior.parameters if name in FRICTION_KEYS}
-        worn = {name.removeprefix("worn.") for name in posterior.parameters if name.startswith("worn.")}
+        worn = {
+            name.removeprefix("worn.") for name in posterior.parameters if name.startswith("worn.")
+        }
         if worn != (fresh if self.wear is not None else set()):
             raise InvalidInput(
-                "a posterior names the friction of the worn surface (worn.mu_a, ...) as it does that of the fresh one, "
-                "and only where the surface wears"
+                "a posterior names the friction of the worn surface (worn.mu_a, ...) as it does "
+                "that of the fresh one, and only where the surface wears"
             )
         for name in posterior.parameters:
             share = _plate_share(name)
             if share is not None and self.pressure_of(share[0]) is None:
-                raise InvalidInput(f"a posterior of {name} needs a table [plates.{share[0]}] with what is best")
+                raise InvalidInput(
+                    f"a posterior of {name} needs a table [plates.{share[0]}] with what is best"
+                )
             if name in FOUND_KEYS and getattr(self.found_with, FOUND_KEYS[name][0]) is None:
-                raise InvalidInput(f"a posterior of {name} needs {name} in [found_with], with what is best")
+                raise InvalidInput(
+                    f"a posterior of {name} needs {name} in [found_with], with what is best"
+                )
         for number in range(len(posterior)):
             try:
                 self.sample(number)
@@ -250,33 +311,43 @@ class Material:
     def sample(self, number: int) -> "Material":
         """Return the material of one sample of the posterior, without a posterior of its own.
 
-        What the posterior does not name is as in this one. Raises InvalidInput where there is no such sample.
+        What the posterior does not name is as in this one. Raises InvalidInput where there is no
+        such sample.
         """
         if self.posterior is None or not 0 <= number < len(self.posterior):
             raise InvalidInput(f"{self.name} has no posterior sample {number}")
         row = dict(zip(self.posterior.parameters, self.posterior.samples[number], strict=True))
-        found = {FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS}
+        found = {
+            FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS
+        }
         plates = []
         for one in self.plates:
-            shares = {key: row[f"{one.plate}.{key}"] for key in SHARE_KEYS if f"{one.plate}.{key}" in row}
+            shares = {
+                key: row[f"{one.plate}.{key}"] for key in SHARE_KEYS if f"{one.plate}.{key}" in row
+            }
             plates.append(replace(one, **shares))  # type: ignore[arg-type]
         return replace(
             self,
             friction=_changed(self.friction, row),
             found_with=replace(self.found_with, **found),
-            wear=self.wear and replace(self.wear, friction=_changed(self.wear.friction, row, "worn.")),
+            wear=self.wear
+            and replace(self.wear, friction=_changed(self.wear.friction, row, "worn.")),
             plates=tuple(plates),
             posterior=None,
         )
 
     def pressure_of(self, plate: str) -> PlatePressure | None:
-        """Return how a plate (the name of a slider) presses on this surface; None where that is not known."""
+        """Return how a plate (the name of a slider) presses on this surface; None where that is not
+        known.
+        """
         return next((one for one in self.plates if one.plate == plate), None)
 
     def friction_after(self, cycles: float) -> EllipseFriction:
-        """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays the worn one.
+        """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays
+        the worn one.
 
-        >>> slate = Material("slate", EllipseFriction(0.3, 0.2), wear=Wear(EllipseFriction(0.2, 0.2), 1000.0))
+        >>> wear = Wear(EllipseFriction(0.2, 0.2), 1000.0)
+        >>> slate = Material("slate", EllipseFriction(0.3, 0.2), wear=wear)
         >>> round(slate.friction_after(500.0).mu_a, 3)
         0.255
         """
@@ -286,7 +357,9 @@ class Material:
 
 
 def _plate_share(name: str) -> tuple[str, str] | None:
-    """Plate and share of a posterior's parameter such as `rect1.rim_share`; None where it is no such."""
+    """Plate and share of a posterior's parameter such as `rect1.rim_share`; None where it is no
+    such.
+    """
     plate, _, share = name.rpartition(".")
     return (plate, share) if plate and plate != "worn" and share in SHARE_KEYS else None
 

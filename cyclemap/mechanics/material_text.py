@@ -26,11 +26,25 @@ from cyclemap.mechanics.material import (
 from cyclemap.text_files import read_toml
 
 FILE_KEYS = (
-    *("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with", "plates", "posterior"),
+    *(
+        "name",
+        "provenance",
+        "misfit",
+        "inferred",
+        "friction",
+        "worn",
+        "found_with",
+        "plates",
+        "posterior",
+    ),
     *("cycle_noise", "frames"),
 )
-_DRAWN_TABLES = {"posterior": ("parameters", "samples"), "cycle_noise": ("log_sigma", "correlation")}
-# What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
+_DRAWN_TABLES = {
+    "posterior": ("parameters", "samples"),
+    "cycle_noise": ("log_sigma", "correlation"),
+}
+# What a file may hold beside a surface: the object on it, and what is done to it
+# (`cyclemap.collection`).
 _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
 
 
@@ -41,20 +55,23 @@ def material_names() -> tuple[str, ...]:
     True
     """
     folder = resources.files("cyclemap.mechanics") / "materials"
-    return tuple(sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")))
+    return tuple(
+        sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml"))
+    )
 
 
 def load_material(name: str | Path) -> Material:
     """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
 
-    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
-    `provenance`, `misfit`, `inferred` (true or false), and tables: [worn] with `cycles`, the friction after them and a
-    `course` of pairs [cycles, share] (`Wear`); [found_with] with pusher_mu, pin_friction_mm (`FoundWith`);
-    [plates.NAME] with inner_share, rim_share, corner_share (`PlatePressure`); [frames.NAME] with shift_x_mm, shift_y_mm
-    (`FrameShift`); [posterior] with `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with `log_sigma`
-    and `correlation` (`CycleNoise`).
-    Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
-    Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
+    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it
+    may hold `name`, `provenance`, `misfit`, `inferred` (true or false), and tables: [worn] with
+    `cycles`, the friction after them and a `course` of pairs [cycles, share] (`Wear`); [found_with]
+    with pusher_mu, pin_friction_mm (`FoundWith`); [plates.NAME] with inner_share, rim_share,
+    corner_share (`PlatePressure`); [frames.NAME] with shift_x_mm, shift_y_mm (`FrameShift`);
+    [posterior] with `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with
+    `log_sigma` and `correlation` (`CycleNoise`). Tables of object, push, reset, noise and strategy
+    are passed over: `CollectionLoop.from_file` reads those. Raises InvalidInput for an unknown
+    name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
     0.2545
@@ -68,7 +85,9 @@ def load_material(name: str | Path) -> Material:
             raise DataFileError(f"{path}: {cause}") from cause
     if str(name) not in material_names():
         raise unknown_name("material", str(name), material_names())
-    text = (resources.files("cyclemap.mechanics") / "materials" / f"{name}.toml").read_text(encoding="utf-8")
+    text = (resources.files("cyclemap.mechanics") / "materials" / f"{name}.toml").read_text(
+        encoding="utf-8"
+    )
     return _material_of(tomllib.loads(text), str(name))
 
 
@@ -82,19 +101,39 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
     for key in _table(table, "found_with"):
         if key in SHARE_KEYS:
-            raise InvalidInput(f"{key} belongs to a plate: move it to a table [plates.NAME], such as [plates.rect1]")
+            raise InvalidInput(
+                f"{key} belongs to a plate: move it to a table [plates.NAME], such as "
+                "[plates.rect1]"
+            )
     found = _table(table, "found_with", tuple(FOUND_KEYS))
-    together = {FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * finite_number(key, found[key]) for key in found}
+    together = {
+        FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * finite_number(key, found[key]) for key in found
+    }
     plates, frames = _table(table, "plates"), _table(table, "frames")
     pressures = {plate: _table(plates, plate, SHARE_KEYS, f"plates.{plate}") for plate in plates}
-    shifts = {plate: _table(frames, plate, ("shift_x_mm", "shift_y_mm"), f"frames.{plate}") for plate in frames}
+    shifts = {
+        plate: _table(frames, plate, ("shift_x_mm", "shift_y_mm"), f"frames.{plate}")
+        for plate in frames
+    }
     posterior, noise = (_table(table, name, keys) for name, keys in _DRAWN_TABLES.items())
     names, samples = posterior.get("parameters"), posterior.get("samples")
-    is_list = isinstance(names, list) and isinstance(samples, list) and all(isinstance(name, str) for name in names)
+    is_list = (
+        isinstance(names, list)
+        and isinstance(samples, list)
+        and all(isinstance(name, str) for name in names)
+    )
     if posterior and not is_list:
-        raise InvalidInput("a table [posterior] needs parameters, a list of names, and samples, a list of rows")
+        raise InvalidInput(
+            "a table [posterior] needs parameters, a list of names, and samples, a list of rows"
+        )
     if noise and "log_sigma" not in noise:
-        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
+        raise InvalidInput(
+            "a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in "
+            "radians"
+        )
+    # What these are made of is checked where they are made.
+    pressed = tuple(PlatePressure(plate, **shares) for plate, shares in pressures.items())  # type: ignore[arg-type]
+    told = MaterialPosterior(tuple(names), tuple(samples)) if posterior else None  # type: ignore[arg-type]
     return Material(
         str(table.get("name", name)),
         _friction_of(friction),
@@ -103,11 +142,17 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         inferred=inferred,
         found_with=FoundWith(**together),
         wear=_wear_of(_table(table, "worn")),
-        plates=tuple(PlatePressure(plate, **shares) for plate, shares in pressures.items()),  # type: ignore[arg-type]
-        posterior=MaterialPosterior(tuple(names), tuple(samples)) if posterior else None,  # type: ignore[arg-type]
+        plates=pressed,
+        posterior=told,
         noise=CycleNoise(**noise) if noise else None,  # type: ignore[arg-type]
         frames=tuple(
-            FrameShift(plate, *(1e-3 * finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm")))
+            FrameShift(
+                plate,
+                *(
+                    1e-3 * finite_number(key, shift.get(key, 0.0))
+                    for key in ("shift_x_mm", "shift_y_mm")
+                ),
+            )
             for plate, shift in shifts.items()
         ),
     )
@@ -119,8 +164,12 @@ def _refuse_unknown(what: str, keys: Iterable[str], known: tuple[str, ...]) -> N
             raise unknown_name(what, key, known)
 
 
-def _table(table: dict[str, object], name: str, known: tuple[str, ...] = (), title: str = "") -> dict[str, object]:
-    """A table in a table, empty where there is none; where some keys are `known`, others are refused."""
+def _table(
+    table: dict[str, object], name: str, known: tuple[str, ...] = (), title: str = ""
+) -> dict[str, object]:
+    """A table in a table, empty where there is none; where some keys are `known`, others are
+    refused.
+    """
     found = table.get(name, {})
     if not isinstance(found, dict):
         raise InvalidInput(f"{name} is {found!r}: it must be a table, [{name}]")
@@ -130,13 +179,13 @@ def _table(table: dict[str, object], name: str, known: tuple[str, ...] = (), tit
 
 
 def _friction_of(values: dict[str, object]) -> EllipseFriction:
-    """The friction law of a table whose angle is `phi_deg`; m0, n0 and phi_deg, left out, are zero."""
+    """The friction law of a table whose angle is `phi_deg`; m0, n0, phi_deg, left out, are zero."""
     _refuse_unknown("friction key", values, FRICTION_KEYS)
     for key in ("mu_a", "mu_b"):
         if key not in values:
             raise InvalidInput(
-                f"a friction table needs {key}: friction coefficients along the material's axes are mu_a and mu_b, the "
-                "same number twice where it is the same in every direction"
+                f"a friction table needs {key}: friction coefficients along the material's axes "
+                "are mu_a and mu_b, the same number twice where it is the same in every direction"
             )
     checked = {key: finite_number(f"friction key {key}", value) for key, value in values.items()}
     return EllipseFriction(phi=math.radians(checked.pop("phi_deg", 0.0)), **checked)
@@ -147,7 +196,8 @@ def _wear_of(worn: dict[str, object]) -> Wear | None:
         return None
     if "cycles" not in worn:
         raise InvalidInput(
-            "a table [worn] needs cycles, the number of cycles after which the friction is the one it has"
+            "a table [worn] needs cycles, the number of cycles after which the friction is the "
+            "one it has"
         )
     cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
     return Wear(_friction_of(worn), cycles, course)  # type: ignore[arg-type]
@@ -171,19 +221,35 @@ def material_toml(material: Material) -> str:
     tables: dict[str, dict[str, object]] = {"friction": _numbers(material.friction)}
     if material.wear is not None:
         course = {"course": material.wear.course} if material.wear.course else {}
-        tables["worn"] = {"cycles": material.wear.cycles, **_numbers(material.wear.friction), **course}
-    found = {key: (getattr(material.found_with, field), unit) for key, (field, unit) in FOUND_KEYS.items()}
+        tables["worn"] = {
+            "cycles": material.wear.cycles,
+            **_numbers(material.wear.friction),
+            **course,
+        }
+    found = {
+        key: (getattr(material.found_with, field), unit)
+        for key, (field, unit) in FOUND_KEYS.items()
+    }
     told: dict[str, object] = {
         key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None
     }
     tables |= {"found_with": told} if told else {}
-    plates = [("plates", one.plate, {key: x for key, x in one.shares.items() if x}) for one in material.plates]
-    plates += [("frames", one.plate, {"shift_x_mm": 1e3 * one.x, "shift_y_mm": 1e3 * one.y}) for one in material.frames]
+    plates = [
+        ("plates", one.plate, {key: x for key, x in one.shares.items() if x})
+        for one in material.plates
+    ]
+    plates += [
+        ("frames", one.plate, {"shift_x_mm": 1e3 * one.x, "shift_y_mm": 1e3 * one.y})
+        for one in material.frames
+    ]
     for kind, plate, numbers in plates:
         key = plate if re.fullmatch(r"[A-Za-z0-9_-]+", plate) else _text(plate)
         tables[f"{kind}.{key}"] = dict(numbers)
     if material.noise is not None:
-        tables["cycle_noise"] = {"log_sigma": material.noise.log_sigma, "correlation": material.noise.correlation}
+        tables["cycle_noise"] = {
+            "log_sigma": material.noise.log_sigma,
+            "correlation": material.noise.correlation,
+        }
     if material.posterior is not None:
         tables["posterior"] = {"parameters": material.posterior.parameters}
     words = {key: getattr(material, key) for key in ("name", "provenance", "misfit", "inferred")}
@@ -196,7 +262,13 @@ def material_toml(material: Material) -> str:
 
 
 def _numbers(law: EllipseFriction) -> dict[str, object]:
-    return {"mu_a": law.mu_a, "mu_b": law.mu_b, "m0": law.m0, "n0": law.n0, "phi_deg": math.degrees(law.phi)}
+    return {
+        "mu_a": law.mu_a,
+        "mu_b": law.mu_b,
+        "m0": law.m0,
+        "n0": law.n0,
+        "phi_deg": math.degrees(law.phi),
+    }
 
 
 def _text(value: object) -> str:

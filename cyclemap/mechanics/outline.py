@@ -1,4 +1,6 @@
-"""Outlines of sliders in their own frame: simple polygons and ellipses, and the mean over the area inside."""
+"""Outlines of sliders in their own frame: simple polygons and ellipses, and the mean over the area
+inside.
+"""
 
 import math
 from dataclasses import dataclass, field
@@ -14,13 +16,14 @@ from cyclemap.errors import InvalidInput
 
 @dataclass(frozen=True)
 class Polygon:
-    """A simple polygon, convex or not; its vertices (k, 2) in m, counter-clockwise: side i begins at vertex i.
+    """A simple polygon, convex or not; its vertices (k, 2) in m, counter-clockwise: side i begins
+    at vertex i.
 
-    Raises InvalidInput for fewer than three vertices, repeated vertices, zero area, crossing sides, or vertices that
-    run clockwise: turned round, their sides would bear other numbers.
+    Raises InvalidInput for fewer than three vertices, repeated vertices, zero area, crossing sides,
+    or vertices that run clockwise: turned round, their sides would bear other numbers.
 
-    From them: array (k, 2), m; area, m^2; centroid, m; extent, the largest distance from the centroid, m; sides, how
-    many; is_convex.
+    From them: array (k, 2), m; area, m^2; centroid, m; extent, the largest distance from the
+    centroid, m; sides, how many; is_convex.
 
     >>> Polygon([(0, 0), (2, 0), (2, 1), (0, 1)]).area
     2.0
@@ -37,14 +40,17 @@ class Polygon:
     def __post_init__(self) -> None:
         points = np.array(finite_array("polygon vertices", self.vertices, last=2))
         if points.ndim != 2 or len(points) < 3:
-            raise InvalidInput(f"a polygon needs at least three vertices (k, 2), not shape {points.shape}")
+            raise InvalidInput(
+                f"a polygon needs at least three vertices (k, 2), not shape {points.shape}"
+            )
         _refuse_crossing(points)
         p, edge = points - points[0], np.roll(points, -1, axis=0) - points
         q = np.roll(p, -1, axis=0)
         area = float(0.5 * _cross(p, q).sum())
         if area < 0.0:
             raise InvalidInput(
-                "the polygon's vertices run clockwise: list them counter-clockwise, and count its sides in that order"
+                "the polygon's vertices run clockwise: list them counter-clockwise, and count its "
+                "sides in that order"
             )
         x, y = ((p + q) * _cross(p, q)[:, None]).sum(axis=0) / (6.0 * area) + points[0]
         vars(self).update(
@@ -59,15 +65,24 @@ class Polygon:
 
     def scaled(self, factor: float, about: tuple[float, float] = (0.0, 0.0)) -> "Polygon":
         """Return the polygon with every coordinate, seen from a place, times `factor`."""
-        return Polygon(tuple(map(tuple, (np.array(about) + factor * (self.array - about)).tolist())))
+        return Polygon(
+            tuple(map(tuple, (np.array(about) + factor * (self.array - about)).tolist()))
+        )
 
     def encloses(self, other: "Polygon") -> bool:
         """Whether another polygon lies inside, touching no side."""
-        sides = (self.array, np.roll(self.array, -1, axis=0), other.array, np.roll(other.array, -1, axis=0))
+        sides = (
+            self.array,
+            np.roll(self.array, -1, axis=0),
+            other.array,
+            np.roll(other.array, -1, axis=0),
+        )
         return not _segments_meet(*sides).any() and bool(self.contains(other.array).all())
 
     def points(self, count: int) -> Array:
-        """Return the closed outline as a polyline (k + 1, 2), m; a polygon needs no more than its corners."""
+        """Return the closed outline as a polyline (k + 1, 2), m; a polygon needs no more than its
+        corners.
+        """
         return np.vstack([self.array, self.array[:1]])
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
@@ -76,7 +91,10 @@ class Polygon:
         x, y = points[..., 0, None], points[..., 1, None]
         straddles = (a[:, 1] > y) != (b[:, 1] > y)
         rise = np.where(b[:, 1] == a[:, 1], 1.0, b[:, 1] - a[:, 1])
-        return np.asarray((straddles & (x < a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / rise)).sum(-1) % 2 == 1)
+        return np.asarray(
+            (straddles & (x < a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / rise)).sum(-1) % 2
+            == 1
+        )
 
 
 @dataclass(frozen=True)
@@ -98,7 +116,9 @@ class Ellipse:
     is_convex: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        a, b = (positive_number(f"ellipse {name}", getattr(self, name)) for name in ("semi_x", "semi_y"))
+        a, b = (
+            positive_number(f"ellipse {name}", getattr(self, name)) for name in ("semi_x", "semi_y")
+        )
         vars(self).update(area=math.pi * a * b, extent=max(a, b))
 
     def scaled(self, factor: float) -> "Ellipse":
@@ -112,14 +132,18 @@ class Ellipse:
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside."""
-        return np.asarray(np.hypot(points[..., 0] / self.semi_x, points[..., 1] / self.semi_y) < 1.0)
+        return np.asarray(
+            np.hypot(points[..., 0] / self.semi_x, points[..., 1] / self.semi_y) < 1.0
+        )
 
 
 Outline = Polygon | Ellipse
 
 
 def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
-    """Return points (k, 2) and weights (k,) of the mean over an outline, exact up to degree 2 order - 2."""
+    """Return points (k, 2) and weights (k,) of the mean over an outline, exact up to degree 2 order
+    - 2.
+    """
     if isinstance(outline, Ellipse):
         # Gauss in the squared radius, equal angles around.
         count = 2 * order + 4
@@ -127,9 +151,13 @@ def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
         radius, angle = np.meshgrid(
             np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
         )
-        places = np.stack([outline.semi_x * radius * np.cos(angle), outline.semi_y * radius * np.sin(angle)], axis=-1)
+        places = np.stack(
+            [outline.semi_x * radius * np.cos(angle), outline.semi_y * radius * np.sin(angle)],
+            axis=-1,
+        )
         return places.reshape(-1, 2), np.repeat(weight / 2.0 / count, count)
-    # Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in sign).
+    # Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in
+    # sign).
     node, weight = np.polynomial.legendre.leggauss(order)
     s, t = np.meshgrid((node + 1.0) / 2.0, (node + 1.0) / 2.0, indexing="ij")
     share = np.outer(weight, weight) / 4.0 * s
@@ -138,7 +166,9 @@ def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
         e, f = a - apex, b - apex
         points.append(apex + s[..., None] * e + (s * t)[..., None] * (f - e))
         weights.append(share * (e[0] * f[1] - e[1] * f[0]) / outline.area)
-    return np.concatenate([p.reshape(-1, 2) for p in points]), np.concatenate([w.ravel() for w in weights])
+    return np.concatenate([p.reshape(-1, 2) for p in points]), np.concatenate(
+        [w.ravel() for w in weights]
+    )
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -151,7 +181,9 @@ def _refuse_crossing(points: Array) -> None:
     edge = after - points
     short = np.flatnonzero(np.hypot(*edge.T) <= 1e-9 * size)
     if size == 0.0 or short.size:
-        raise InvalidInput(f"polygon vertices {short.tolist()} coincide with the next one: leave one of each out")
+        raise InvalidInput(
+            f"polygon vertices {short.tolist()} coincide with the next one: leave one of each out"
+        )
     if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1] <= 1e-9 * size:
         raise InvalidInput("the polygon has no area: its vertices lie on a line")
     meet = np.triu(_segments_meet(points, after, points, after), 1)
@@ -161,12 +193,19 @@ def _refuse_crossing(points: Array) -> None:
     back = (_cross(edge, following) == 0.0) & ((edge * following).sum(axis=1) < 0.0)
     meet[np.minimum(side, other), np.maximum(side, other)] = back
     for i, j in np.argwhere(meet)[:1].tolist():
-        raise InvalidInput(f"the polygon's sides {i} and {j} cross or touch: order the vertices around it")
+        raise InvalidInput(
+            f"the polygon's sides {i} and {j} cross or touch: order the vertices around it"
+        )
 
 
 def _segments_meet(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
     """Whether segments a-b, (k, 2) each, and c-d, (m, 2) each, have a point in common, (k, m)."""
     a, b = a[:, None], b[:, None]
-    one, other = _cross(b - a, c - a) * _cross(b - a, d - a), _cross(d - c, a - c) * _cross(d - c, b - c)
-    boxed = np.all((np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b)), axis=-1)
+    one, other = (
+        _cross(b - a, c - a) * _cross(b - a, d - a),
+        _cross(d - c, a - c) * _cross(d - c, b - c),
+    )
+    boxed = np.all(
+        (np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b)), axis=-1
+    )
     return np.asarray(((one < 0.0) & (other < 0.0)) | (boxed & (one <= 0.0) & (other <= 0.0)))

@@ -1,4 +1,6 @@
-"""The quasi-static model of one slider on one surface with one rod: pushes it, and drags it back in its ring."""
+"""The quasi-static model of one slider on one surface with one rod: pushes it, and drags it back in
+its ring.
+"""
 
 import math
 from collections.abc import Sequence
@@ -18,6 +20,7 @@ from cyclemap.errors import (
 )
 from cyclemap.mechanics.contact_curve import ContactCurve, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
+from cyclemap.mechanics.engine.schema import KINDS, LAW, PIECE, Status
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
 from cyclemap.mechanics.first_touch import OVERLAP, first_touches
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
@@ -26,7 +29,8 @@ from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.slider import DragBack, Pose, Pusher, SidePush, Slider, WorldPush
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
-# What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
+# What a step may be off by, as a share of the accuracy asked of the whole motion; measured in
+# tests/mechanics.
 _STEP_SHARE = 0.05
 # Footprints smaller than this share of the outline's extent carry no object.
 _LEAST_FOOTPRINT = 1e-3
@@ -41,14 +45,16 @@ class QuasiStaticModel:
     Parameters
     ----------
     slider, friction, pusher : the object, the surface under it, the rod.
-    footprint : how the weight is spread; None: evenly over the outline, leaning where the centre of mass is not the
-        centroid.
-    accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, between 1e-11 and 1e-2. On
-        MIT's loop 99 of 100 cycles came within 0.6 times of it and the worst within 1.2 (asked: 1e-5 to 1e-8, five
-        materials); a motion that starts unstable magnifies its error as it does any difference.
+    footprint : how the weight is spread; None: evenly over the outline, leaning where the centre of
+        mass is not the centroid.
+    accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, between
+        1e-11 and 1e-2. On MIT's loop 99 of 100 cycles came within 0.6 times of it and the worst
+        within 1.2 (asked: 1e-5 to 1e-8, five materials); a motion that starts unstable magnifies
+        its error as it does any difference.
 
-    From them: pressure, the footprint in use; weight, N; units of the normalised motion: unit, m, the footprint's
-    extent, and scale, the geometric mean of the friction coefficients; radius, the rod's, in units.
+    From them: pressure, the footprint in use; weight, N; units of the normalised motion: unit, m,
+    the footprint's extent, and scale, the geometric mean of the friction coefficients; radius, the
+    rod's, in units.
 
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
@@ -70,21 +76,31 @@ class QuasiStaticModel:
     def __post_init__(self) -> None:
         accuracy = positive_number("accuracy", self.accuracy)
         if not 1e-11 <= accuracy <= 1e-2:
-            raise InvalidInput(f"accuracy {accuracy} is out of reach: choose one from 1e-11 to 1e-2 rad")
+            raise InvalidInput(
+                f"accuracy {accuracy} is out of reach: choose one from 1e-11 to 1e-2 rad"
+            )
         outline, centre, law = self.slider.outline, self.slider.centre_of_mass, self.friction
         pressure = _patch(outline, centre=centre) if self.footprint is None else self.footprint
         size, whole = pressure.extent, outline.extent
         if size < _LEAST_FOOTPRINT * whole:
             raise InvalidInput(
-                f"the support points lie within {size * 1e3:.3g} mm of their centre, under an object of "
-                f"{whole * 1e3:.3g} mm: it would tip rather than slide; give points that span it"
+                f"the support points lie within {size * 1e3:.3g} mm of their centre, under an "
+                f"object of {whole * 1e3:.3g} mm: it would tip rather than slide; give points that "
+                "span it"
             )
-        vars(self).update(pressure=pressure, weight=self.slider.weight, unit=size, radius=self.pusher.radius / size)
+        vars(self).update(
+            pressure=pressure,
+            weight=self.slider.weight,
+            unit=size,
+            radius=self.pusher.radius / size,
+        )
         vars(self).update(scale=math.sqrt(law.mu_a) * math.sqrt(law.mu_b))
 
     @property
     def isotropic(self) -> "QuasiStaticModel":
-        """The same slider and rod where nothing is known of the surface: one friction all around, even pressure."""
+        """The same slider and rod where nothing is known of the surface: one friction all around,
+        even pressure.
+        """
         return replace(self, friction=EllipseFriction.isotropic(self.scale), footprint=None)
 
     @cached_property
@@ -95,21 +111,39 @@ class QuasiStaticModel:
     @cached_property
     def _still(self) -> Strokes:
         """What all strokes of the model share."""
-        law, unit, scale, (x, y), hitch = self.friction, self.unit, self.scale, self.pressure.centre, self.slider.hitch
+        law, unit, scale, (x, y), hitch = (
+            self.friction,
+            self.unit,
+            self.scale,
+            self.pressure.centre,
+            self.slider.hitch,
+        )
         return Strokes(
             pressure_tables(self.pressure),
-            (law.mu_a / scale, law.mu_b / scale, law.m0 / scale, law.n0 / scale, law.phi, x / unit, y / unit),
+            (
+                law.mu_a / scale,
+                law.mu_b / scale,
+                law.m0 / scale,
+                law.n0 / scale,
+                law.phi,
+                x / unit,
+                y / unit,
+            ),
             self.radius,
             _STEP_SHARE * self.accuracy,
             piece_table(self.curve, (hitch[0] / unit, hitch[1] / unit)),
             rod_friction=self.pusher.friction,
         )
 
-    def push(self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf) -> PushResult:
-        """Push the slider from a pose; `longest_step` (m) bounds the spacing of the trajectory's samples.
+    def push(
+        self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf
+    ) -> PushResult:
+        """Push the slider from a pose; `longest_step` (m) bounds the spacing of the trajectory's
+        samples.
 
-        Raises InvalidInput for a contact that does not exist or a push that points away, UnsupportedContact where the
-        rod would slide without bound or nothing goes on, ConvergenceError where the contact cannot be solved.
+        Raises InvalidInput for a contact that does not exist or a push that points away,
+        UnsupportedContact where the rod would slide without bound or nothing goes on,
+        ConvergenceError where the contact cannot be solved.
         """
         return self._moved(self.push_strokes(pose, push), pose, longest_step)[0]
 
@@ -122,27 +156,36 @@ class QuasiStaticModel:
     ) -> DragResult:
         """Drag the slider by its ring, straight through way-points (m, world frame), from a pose.
 
-        `pin_friction_radius` (m): radius rho of the friction circle of the rod in the ring. With F = dD/dv the rod's
-        force, the spin omega solves dD/domega = -sign(omega) rho |F| about the ring; where even omega = 0 asks for less
-        torque, the object does not turn. There is one spin while rho is below half the ring's lever from the centre of
-        pressure and the friction ellipse's centre within 60 % of its smaller axis (tests/mechanics/test_drag.py). From
-        the whole lever on the ring always holds the object. In between, and on laws more one-sided, there is a spin
-        wherever the ring does not hold the object, but it may end on the way, at an orientation where the ring does:
-        raises UnsupportedContact there.
+        `pin_friction_radius` (m): radius rho of the friction circle of the rod in the ring. With F
+        = dD/dv the rod's force, the spin omega solves dD/domega = -sign(omega) rho |F| about the
+        ring; where even omega = 0 asks for less torque, the object does not turn. There is one spin
+        while rho is below half the ring's lever from the centre of pressure and the friction
+        ellipse's centre within 60 % of its smaller axis (tests/mechanics/test_drag.py). From the
+        whole lever on the ring always holds the object. In between, and on laws more one-sided,
+        there is a spin wherever the ring does not hold the object, but it may end on the way, at an
+        orientation where the ring does: raises UnsupportedContact there.
         """
-        return self._moved(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)[1]
+        return self._moved(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)[
+            1
+        ]
 
     def cycle(
         self, theta: float, push: SidePush, reset: DragBack, longest_step: float = math.inf
     ) -> tuple[PushResult, DragResult]:
-        """Push the slider from orientation theta (rad), its ring at the world's origin, and drag it back there."""
+        """Push the slider from orientation theta (rad), its ring at the world's origin, and drag it
+        back there.
+        """
         return self._moved(self.cycle_strokes(push, reset), self.start_pose(theta), longest_step)
 
     def cycle_strokes(self, push: SidePush, reset: DragBack) -> Strokes:
-        """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object do not fit."""
+        """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object
+        do not fit.
+        """
         pushed = self.push_strokes(Pose(), push)
         dragged = self.drag_strokes((*reset.way_points, _TARGET), reset.pin_friction_radius)
-        return replace(pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, with_object=True)
+        return replace(
+            pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, with_object=True
+        )
 
     def start_pose(self, theta: float) -> Pose:
         """Return the pose with the ring at the world's origin, where every cycle starts."""
@@ -150,11 +193,15 @@ class QuasiStaticModel:
         return Pose(-x, -y, theta)
 
     def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
-        """Return what the engine is asked for in a push from a pose; raises as `push` where they do not fit."""
+        """Return what the engine is asked for in a push from a pose; raises as `push` where they do
+        not fit.
+        """
         if isinstance(push, WorldPush):
             return self._from_afar(pose, push)
         outline = _scaled(self.slider.outline, 1.0 / self.unit)
-        index, coordinate, by_fraction = side_coordinate(outline, self.curve.pieces, push.side, push.fraction)
+        index, coordinate, by_fraction = side_coordinate(
+            outline, self.curve.pieces, push.side, push.fraction
+        )
         contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
         return replace(
             self._still,
@@ -167,7 +214,9 @@ class QuasiStaticModel:
 
     def _from_afar(self, pose: Pose, push: WorldPush) -> Strokes:
         start = np.array([pose.to_object(*push.start)]) / self.unit
-        found = first_touches(self.curve.pieces, self.radius, start, np.array([push.direction - pose.theta]))
+        found = first_touches(
+            self.curve.pieces, self.radius, start, np.array([push.direction - pose.theta])
+        )
         travel, index, coordinate = float(found[0][0]), int(found[1][0]), float(found[2][0])
         if math.isnan(travel):
             raise RodMissesObject(
@@ -176,41 +225,64 @@ class QuasiStaticModel:
             )
         contact, _ = self.curve.pieces[index].contact(coordinate, self.radius)
         if travel * math.cos(push.direction - pose.theta - contact.normal) > OVERLAP:
-            raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
+            raise RodInsideObject(
+                f"the rod starts inside the object, at {push.start} m: move its start outside"
+            )
         length = push.distance / self.unit - max(travel, 0.0)
         if length <= 0.0:
             raise RodMissesObject(
-                f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
+                f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen "
+                "the push"
             )
         return replace(
-            self._still, start_piece=index, start_coordinate=coordinate, direction=push.direction, length=length
+            self._still,
+            start_piece=index,
+            start_coordinate=coordinate,
+            direction=push.direction,
+            length=length,
         )
 
-    def drag_strokes(self, way_points: tuple[tuple[float, float], ...], pin_friction_radius: float) -> Strokes:
+    def drag_strokes(
+        self, way_points: tuple[tuple[float, float], ...], pin_friction_radius: float
+    ) -> Strokes:
         """Return what the engine is asked for in a drag through way-points (m, world frame)."""
         radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
-        places = [(finite_number("way-point x", x), finite_number("way-point y", y)) for x, y in way_points]
+        places = [
+            (finite_number("way-point x", x), finite_number("way-point y", y))
+            for x, y in way_points
+        ]
         goals = tuple((x / self.unit, y / self.unit) for x, y in places)
         return replace(self._still, goals=goals, pin_friction=radius)
 
     def course(self, strokes: Strokes, pose: Pose, longest_step: float = math.inf) -> Course:
-        """Return strokes of this model from a pose, as `run_strokes` takes them; `longest_step` in m."""
+        """Return strokes of this model from a pose, as `run_strokes` takes them; `longest_step` in
+        m.
+        """
         place = (pose.x / self.unit, pose.y / self.unit, pose.theta)
         return Course(strokes, place, self.unit, self.weight, self.scale, longest_step / self.unit)
 
-    def _moved(self, strokes: Strokes, pose: Pose, longest_step: float) -> tuple[PushResult, DragResult]:
+    def _moved(
+        self, strokes: Strokes, pose: Pose, longest_step: float
+    ) -> tuple[PushResult, DragResult]:
         """What a push, or nothing, and then a drag, or nothing, come to from a pose."""
         course, unit = self.course(strokes, pose, longest_step), self.unit
         ran = run_strokes([course])
         pushed, end = (
-            Pose(unit * x, unit * y, theta) for x, y, theta in (ran.pushed[0].tolist(), ran.ended[0].tolist())
+            Pose(unit * x, unit * y, theta)
+            for x, y, theta in (ran.pushed[0].tolist(), ran.ended[0].tolist())
         )
-        push = PushResult(pose, pushed, "left" if ran.left[0] else "distance", unit * ran.travel[0], course)
-        return push, DragResult(pushed if strokes.length else pose, end, unit * float(ran.way[0]), course)
+        push = PushResult(
+            pose, pushed, "left" if ran.left[0] else "distance", unit * ran.travel[0], course
+        )
+        return push, DragResult(
+            pushed if strokes.length else pose, end, unit * float(ran.way[0]), course
+        )
 
 
 def run_strokes(courses: Sequence[Course], derivatives: int = 0) -> Ran:
-    """Run what courses tell of from where they start, which no parameter moves; raises as the first that fails."""
+    """Run what courses tell of from where they start, which no parameter moves; raises as the first
+    that fails.
+    """
     poses = np.array([course.pose for course in courses])
     still = np.zeros((len(courses), 3, derivatives))
     ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, still)
@@ -222,34 +294,43 @@ def run_strokes(courses: Sequence[Course], derivatives: int = 0) -> Ran:
 
 def refusal(status: int, strokes: Strokes) -> BaseException:
     """Return the error that tells why the engine stopped."""
-    friction, lever = strokes.rod_friction, math.dist(strokes.pieces[-1, 1:3], strokes.friction[5:7])
+    friction, law = strokes.rod_friction, LAW.of(strokes.friction)
+    ring = KINDS["ring"].of(PIECE.of(strokes.pieces[-1]).geometry)
+    lever = math.hypot(ring.x - law.centre_x, ring.y - law.centre_y)
     errors: dict[int, BaseException] = {
-        engine.MANY_STEPS: TooManySteps(
-            "the motion turns so abruptly towards its steady course that it needs more than 20000 steps: ask for a "
-            "shorter way or less accuracy, or take a friction law nearer to isotropic, a footprint that leans less, or "
-            "a thicker outline"
+        Status.MANY_STEPS: TooManySteps(
+            "the motion turns so abruptly towards its steady course that it needs more than 20000 "
+            "steps: ask for a shorter way or less accuracy, or take a friction law nearer to "
+            "isotropic, a footprint that leans less, or a thicker outline"
         ),
-        engine.NO_SLIP: UnsupportedContact(
-            f"no slip of the rod, however fast, balances the surface's friction at pusher friction {friction:.3g}: the "
-            "friction is too one-sided for this push; choose a lower pusher friction or a smaller offset m0, n0"
+        Status.NO_SLIP: UnsupportedContact(
+            "no slip of the rod, however fast, balances the surface's friction at pusher friction "
+            f"{friction:.3g}: the friction is too one-sided for this push; choose a lower pusher "
+            "friction or a smaller offset m0, n0"
         ),
-        engine.POINTS_AWAY: InvalidInput(
-            "the push points away from the object: its direction must have a component into the side that it touches"
+        Status.POINTS_AWAY: InvalidInput(
+            "the push points away from the object: its direction must have a component into the "
+            "side that it touches"
         ),
-        engine.NOT_ALONE: UnsupportedContact(
-            "the rod is in a concave corner, and no motion with forces inside both friction cones goes on from there: "
-            "push less far, or elsewhere"
+        Status.NOT_ALONE: UnsupportedContact(
+            "the rod is in a concave corner, and no motion with forces inside both friction cones "
+            "goes on from there: push less far, or elsewhere"
         ),
-        engine.RING_STOPS: UnsupportedContact(
+        Status.RING_STOPS: UnsupportedContact(
             "the ring's friction stops the object on its way while it turns: its radius is "
-            f"{strokes.pin_friction / max(lever, 1e-12):.3g} times the ring's distance from the centre of pressure; "
-            "choose a smaller pin friction radius or a ring farther away"
+            f"{strokes.pin_friction / max(lever, 1e-12):.3g} times the ring's distance from the "
+            "centre of pressure; choose a smaller pin friction radius or a ring farther away"
         ),
-        engine.CHATTERS: ConvergenceError("the contact changes its mode more than 10000 times: it chatters"),
-        engine.STOPPED: KeyboardInterrupt(),
+        Status.CHATTERS: ConvergenceError(
+            "the contact changes its mode more than 10000 times: it chatters"
+        ),
+        Status.STOPPED: KeyboardInterrupt(),
     }
-    unsolved = "the contact's balance of forces cannot be solved: try another accuracy, or a friction nearer to "
-    return errors.get(status, ConvergenceError(unsolved + "isotropic"))
+    unsolved = (
+        "the contact's balance of forces cannot be solved: try another accuracy, or a friction "
+        "nearer to isotropic"
+    )
+    return errors.get(status, ConvergenceError(unsolved))
 
 
 # Many models are of few objects.

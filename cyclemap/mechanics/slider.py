@@ -1,4 +1,6 @@
-"""What is moved and by what: the object, with the shapes of the MIT push dataset by name, its pose, rod and strokes."""
+"""What is moved and by what: the object, with the shapes of the MIT push dataset by name, its pose,
+rod and strokes.
+"""
 
 import math
 import warnings
@@ -28,8 +30,13 @@ def _right_triangle(leg_x: float, leg_y: float) -> Polygon:
     return Polygon(((corner, corner), (corner - leg_x, corner), (corner, corner - leg_y)))
 
 
-_HEXAGON = Polygon(tuple((0.0605 * math.cos(k * math.pi / 3), 0.0605 * math.sin(k * math.pi / 3)) for k in range(6)))
-# Outline, mass (kg) and moment of inertia about the centre of mass (kg m^2): Yu et al. 2016, dataset documentation.
+_HEXAGON = Polygon(
+    tuple(
+        (0.0605 * math.cos(k * math.pi / 3), 0.0605 * math.sin(k * math.pi / 3)) for k in range(6)
+    )
+)
+# Outline, mass (kg) and moment of inertia about the centre of mass (kg m^2): Yu et al. 2016,
+# dataset documentation.
 _MIT_SHAPES: dict[str, tuple[Outline, float, float]] = {
     "rect1": (_rectangle(0.09, 0.09), 0.8374, 0.001131),
     "rect2": (_rectangle(0.08991, 0.11258), 1.045, 0.001808),
@@ -55,8 +62,9 @@ class Slider:
     outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
     mass : kg; in quasi-static motion it scales the contact forces and nothing else.
     centre_of_mass : (x, y), m; None: the outline's centroid.
-    hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a `DoubtfulInput` warning,
-        and InvalidInput more than ten times as far from the centre as any of the outline.
+    hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a
+        `DoubtfulInput` warning, and InvalidInput more than ten times as far from the centre as any
+        of the outline.
     inertia : moment of inertia about the centre of mass, kg m^2; None: unknown.
 
     From them: weight, N.
@@ -75,34 +83,50 @@ class Slider:
 
     def __post_init__(self) -> None:
         if not isinstance(self.outline, (Polygon, Ellipse)):
-            raise InvalidInput(f"a slider's outline must be a Polygon or an Ellipse, not {self.outline!r}")
+            raise InvalidInput(
+                f"a slider's outline must be a Polygon or an Ellipse, not {self.outline!r}"
+            )
         positive_number("slider mass", self.mass)
         if self.inertia is not None:
             positive_number("slider inertia", self.inertia)
         centre = self.outline.centroid if self.centre_of_mass is None else self.centre_of_mass
         centre = point("centre of mass", centre)
         if not self.outline.contains(np.asarray(centre)):
-            raise InvalidInput(f"the centre of mass {centre} m lies outside the outline: the object would tip")
-        vars(self).update(centre_of_mass=centre, hitch=point("hitch", self.hitch), weight=self.mass * GRAVITY)
+            raise InvalidInput(
+                f"the centre of mass {centre} m lies outside the outline: the object would tip"
+            )
+        vars(self).update(
+            centre_of_mass=centre, hitch=point("hitch", self.hitch), weight=self.mass * GRAVITY
+        )
         away, size = math.dist(self.hitch, self.outline.centroid), self.outline.extent
-        told = f"the ring is {1e3 * away:.4g} mm from the centre of an object that reaches {1e3 * size:.4g} mm"
+        told = (
+            f"the ring is {1e3 * away:.4g} mm from the centre of an object that reaches "
+            f"{1e3 * size:.4g} mm"
+        )
         if away > _FARTHEST_RING * size:
-            raise InvalidInput(f"{told}: give both in the same unit, and the ring's place (hitch) with a new outline")
+            raise InvalidInput(
+                f"{told}: give both in the same unit, and the ring's place (hitch) with a new "
+                "outline"
+            )
         if not self.outline.contains(np.asarray(self.hitch)):
             warnings.warn(
-                f"{told}: it lies outside; is the ring's place (hitch) meant for it?", DoubtfulInput, stacklevel=3
+                f"{told}: it lies outside; is the ring's place (hitch) meant for it?",
+                DoubtfulInput,
+                stacklevel=3,
             )
 
     @classmethod
     def mit(cls, name: str, hitch: tuple[float, float] = MIT_HITCH) -> "Slider":
-        """Return a shape of the MIT push dataset: rect1-3, tri1-3, hex, ellip1-3 (Yu et al. 2016)."""
+        """Return a shape of MIT's push dataset: rect1-3, tri1-3, hex, ellip1-3 (Yu et al. 2016)."""
         if name not in _MIT_SHAPES:
             raise unknown_name("slider shape", name, MIT_SHAPE_NAMES)
         outline, mass, inertia = _MIT_SHAPES[name]
         return cls(outline, mass, hitch=hitch, inertia=inertia, name=name)
 
     def outline_points(self, count: int = 181) -> np.ndarray:
-        """Return the closed outline as a polyline (m, 2) in the object frame, m; curves are cut in `count` pieces."""
+        """Return the closed outline as a polyline (m, 2) in the object frame, m; curves are cut in
+        `count` pieces.
+        """
         return self.outline.points(count)
 
 
@@ -136,7 +160,8 @@ class Pose:
 
 @dataclass(frozen=True)
 class Pusher:
-    """A vertical rod: radius in m (zero: a point) and its Coulomb friction coefficient with the slider.
+    """A vertical rod: radius in m (zero: a point) and its Coulomb friction coefficient with the
+    slider.
 
     >>> Pusher().radius
     0.00475
@@ -157,8 +182,10 @@ class SidePush:
     Parameters
     ----------
     side : number of the touched side, counter-clockwise; an ellipse's outline is side 0.
-    fraction : place on the side from its first vertex, 0 to 1; on an ellipse the eccentric angle over 2 pi.
-    angle : direction of the push from the side's inward normal, rad, counter-clockwise, within (-pi/2, pi/2).
+    fraction : place on the side from its first vertex, 0 to 1; on an ellipse the eccentric angle
+        over 2 pi.
+    angle : direction of the push from the side's inward normal, rad, counter-clockwise, within
+        (-pi/2, pi/2).
     distance : rod travel from first touch, m.
     """
 
@@ -176,11 +203,13 @@ class SidePush:
         object.__setattr__(self, "angle", finite_number("push angle", self.angle))
         object.__setattr__(self, "distance", positive_number("push distance", self.distance))
         if not 0.0 <= self.fraction <= 1.0:
-            raise InvalidInput(f"contact fraction {self.fraction} lies outside the side: it runs from 0 to 1")
+            raise InvalidInput(
+                f"contact fraction {self.fraction} lies outside the side: it runs from 0 to 1"
+            )
         if not abs(self.angle) < math.pi / 2.0:
             raise InvalidInput(
-                f"push angle {math.degrees(self.angle):.6g} degrees points away from the object: it must lie within 90 "
-                "degrees of the side's inward normal"
+                f"push angle {math.degrees(self.angle):.6g} degrees points away from the object: "
+                "it must lie within 90 degrees of the side's inward normal"
             )
 
 
@@ -207,13 +236,15 @@ class WorldPush:
 
 @dataclass(frozen=True)
 class DragBack:
-    """The reset: the rod, in the ring, goes straight through the way-points to the target, the world's origin.
+    """The reset: the rod, in the ring, goes straight through the way-points to the target, the
+    world's origin.
 
     Parameters
     ----------
     way_points : (x, y), m, relative to the target, in order; none: one straight leg.
-    pin_friction_radius : radius of the friction circle of the rod in the ring, m: coefficient of friction times radius
-        of the rod. The rod does not turn; the object's spin is opposed by this times the rod's force.
+    pin_friction_radius : radius of the friction circle of the rod in the ring, m: coefficient of
+        friction times radius of the rod. The rod does not turn; the object's spin is opposed by
+        this times the rod's force.
     """
 
     way_points: tuple[tuple[float, float], ...] = ()

@@ -8,8 +8,15 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.engine.strokes import MODES, Strokes, record
+from cyclemap.mechanics.engine.schema import KINDS, MODES, PIECE, RECORD
+from cyclemap.mechanics.engine.strokes import Strokes, record
 from cyclemap.mechanics.slider import Pose
+
+# Of each mode: its name, the sign of its friction, where it is and whether it sticks.
+_NAMES, _SIGNS = np.array([mode.name for mode in MODES]), np.array([mode.sign for mode in MODES])
+_ON_OUTLINE = np.array([mode.place == "outline" for mode in MODES])
+_IN_WEDGE = np.array([mode.place == "wedge" for mode in MODES])
+_STICKS = np.array([mode.law == "stick" for mode in MODES])
 
 
 @dataclass(frozen=True)
@@ -21,11 +28,11 @@ class Trajectory:
     pusher : (n, 2) rod's centre, m
     contact_point : (n, 2) m; of two contacts at once, the first
     contact_force : (n, 2) force of the rod on the object, N; of two contacts, their sum
-    mode : (n,) str: stick, slide_left, slide_right, slide_free; in a concave corner wedge_left, wedge_right,
-        wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck
+    mode : (n,) str: stick, slide_left, slide_right, slide_free; in a concave corner wedge_left,
+        wedge_right, wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck
     phase : (n,) int: number of the stretch under one law to which the sample belongs
-    residual : how far forces are from what the laws ask for, at worst over the samples, relative to the friction
-        coefficients: of the balance, and of the friction cone of the contact
+    residual : how far forces are from what the laws ask for, at worst over the samples, relative to
+        the friction coefficients: of the balance, and of the friction cone of the contact
     """
 
     path: Array
@@ -40,9 +47,11 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What the engine was asked for, so that it can be written down: strokes from a pose (extents, rad), and units.
+    """What the engine was asked for, so that it can be written down: strokes from a pose (extents,
+    rad), and units.
 
-    unit : m. weight : N. scale : the mean friction coefficient. longest : bound on the spacing of samples, extents.
+    unit : m. weight : N. scale : the mean friction coefficient. longest : bound on the spacing of
+        samples, extents.
     """
 
     strokes: Strokes
@@ -54,55 +63,70 @@ class Course:
 
     @cached_property
     def rows(self) -> Array:
-        """What the engine wrote down (n, 15); see `record`."""
+        """What the engine wrote down (n, 15), columns of RECORD."""
         return record(self.strokes, self.pose, self.longest)
 
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""
-        rows = self.rows[(self.rows[:, 0] == 0.0) & (self.strokes.length > 0.0) == of_push]
-        stroke, travel, theta = rows[:, 0], rows[:, 1], rows[:, 4]
-        modes = rows[:, 7].astype(int)
-        bound = modes >= MODES.index("ring")
-        rod, radius = rows[:, 2:4], np.where(bound, 0.0, self.strokes.radius)[:, None]
-        point, outward = (turned(theta, rows[:, place : place + 2]) for place in (11, 13))
+        of_first = RECORD.columns_of(self.rows).stroke == 0.0
+        rows = self.rows[of_first & (self.strokes.length > 0.0) == of_push]
+        told = RECORD.columns_of(rows)
+        modes = told.mode.astype(int)
+        on_outline, in_wedge = _ON_OUTLINE[modes], _IN_WEDGE[modes]
+        radius = np.where(on_outline, self.strokes.radius, 0.0)[:, None]
+        point, outward = turned(told.theta, told.point), turned(told.theta, told.normal)
         along = np.column_stack([-outward[:, 1], outward[:, 0]])
-        force = -rows[:, 8, None] * outward + rows[:, 9, None] * along
-        # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are compressions.
-        held = rod - radius * outward
-        pose = np.column_stack([self.unit * (held - point), theta])
-        touch, wedged = held.copy(), modes >= MODES.index("wedge_left")
-        if wedged.any():
-            touch[wedged], force[wedged] = self._wedged(rows[wedged], modes[wedged])
+        force = -told.compression[:, None] * outward + told.tangential[:, None] * along
+        # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are
+        # compressions.
+        held = told.rod - radius * outward
+        pose = np.column_stack([self.unit * (held - point), told.theta])
+        touch = held.copy()
+        if in_wedge.any():
+            touch[in_wedge], force[in_wedge] = self._wedged(rows[in_wedge], modes[in_wedge])
         # Travel starts anew with every leg.
-        path = travel + np.cumsum(np.where(np.diff(stroke, prepend=stroke[:1]) != 0.0, np.roll(travel, 1), 0.0))
+        begins = np.diff(told.stroke, prepend=told.stroke[:1]) != 0.0
+        path = told.travel + np.cumsum(np.where(begins, np.roll(told.travel, 1), 0.0))
         phase = np.cumsum(np.append(0, np.diff(path) <= 0.0))
-        # How far a contact's force lies outside the friction cone, or off its edge where the rod slides.
-        normal, tangential, limit = rows[:, 8], rows[:, 9], self.strokes.rod_friction * rows[:, 8]
-        sign = np.select([modes == 1, modes == 2], [1.0, -1.0], 0.0)
-        off = np.where(modes == 0, np.abs(tangential) - limit, np.abs(tangential - sign * limit))
-        outside = np.where(bound, 0.0, np.maximum(np.maximum(off, -normal), 0.0))
+        # How far a contact's force lies outside the friction cone, or off its edge where the rod
+        # slides.
+        limit = self.strokes.rod_friction * told.compression
+        inside = np.abs(told.tangential) - limit
+        off_edge = np.abs(told.tangential - _SIGNS[modes] * limit)
+        off = np.where(_STICKS[modes], inside, off_edge)
+        outside = np.where(on_outline, np.maximum(np.maximum(off, -told.compression), 0.0), 0.0)
         return Trajectory(
             self.unit * path,
             pose,
-            self.unit * rod,
+            self.unit * told.rod,
             self.unit * touch,
             self.scale * self.weight * force,
-            np.array(MODES)[modes],
+            _NAMES[modes],
             phase,
-            float(max(rows[:, 10].max(), outside.max())),
+            float(max(told.residual.max(), outside.max())),
         )
 
     def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
-        """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world frame."""
-        pieces = self.strokes.pieces[rows[:, 6].astype(int)]
-        sense = np.select([modes == MODES.index("wedge_left"), modes == MODES.index("wedge_right")], [1.0, -1.0], 0.0)
-        smu, total, first = self.strokes.rod_friction * sense, np.zeros((len(rows), 2)), np.zeros((len(rows), 2))
-        for angle, friction, compression in ((3, smu, rows[:, 8]), (4, smu * pieces[:, 5], rows[:, 9])):
-            c, s = np.cos(pieces[:, angle] + rows[:, 4]), np.sin(pieces[:, angle] + rows[:, 4])
-            total += compression[:, None] * np.column_stack([-c - friction * s, -s + friction * c])
-            if angle == 3:
-                first = rows[:, 2:4] - self.strokes.radius * np.column_stack([c, s])
-        return first, total
+        """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world
+        frame.
+        """
+        told = RECORD.columns_of(rows)
+        pieces = PIECE.columns_of(self.strokes.pieces[told.piece.astype(int)])
+        wedge = KINDS["wedge"].columns_of(pieces.geometry)
+        smu = self.strokes.rod_friction * _SIGNS[modes]
+        contacts = (
+            (wedge.first_normal, smu, told.compression),
+            (wedge.second_normal, smu * wedge.sense, told.tangential),
+        )
+        total = np.zeros((len(rows), 2))
+        for angle, friction, compression in contacts:
+            c, s = np.cos(angle + told.theta), np.sin(angle + told.theta)
+            edge = np.column_stack([-c - friction * s, -s + friction * c])
+            total += compression[:, None] * edge
+        angle = wedge.first_normal + told.theta
+        return told.rod - self.strokes.radius * np.column_stack(
+            [np.cos(angle), np.sin(angle)]
+        ), total
 
 
 @dataclass(frozen=True)
@@ -125,10 +149,11 @@ class Stroke:
 
 @dataclass(frozen=True)
 class PushResult(Stroke):
-    """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or `left`.
+    """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or
+    `left`.
 
-    A rod leaves where it no longer approaches; one that still sticks then could pull the object along by friction for
-    a while: here it leaves. `course` is what was run.
+    A rod leaves where it no longer approaches; one that still sticks then could pull the object
+    along by friction for a while: here it leaves. `course` is what was run.
     """
 
     ended: str
@@ -143,7 +168,9 @@ class PushResult(Stroke):
 
 @dataclass(frozen=True)
 class DragResult(Stroke):
-    """A drag: poses before and after, and the path of the ring, m (0 where the ring was already there)."""
+    """A drag: poses before and after, and the path of the ring, m (0 where the ring was already
+    there).
+    """
 
     length: float
     course: Course
@@ -158,11 +185,13 @@ class DragResult(Stroke):
 
 @dataclass(frozen=True, eq=False)
 class DynamicTrajectory:
-    """A motion sampled evenly in time while the rod moves, and once more when the object rests, in the world frame.
+    """A motion sampled evenly in time while the rod moves, and once more when the object rests, in
+    the world frame.
 
     time : (n,) s. path : (n,) rod travel, m. pose : (n, 3) object's x, y (m) and theta (rad).
     velocity : (n, 3) of the centre of mass, m/s, and spin, rad/s. pusher : (n, 2) rod's centre, m.
-    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where they do not touch.
+    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where
+        they do not touch.
     """
 
     time: Array
@@ -176,7 +205,9 @@ class DynamicTrajectory:
 
 @dataclass(frozen=True, eq=False)
 class DynamicPush(Stroke):
-    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has lost the object."""
+    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has
+    lost the object.
+    """
 
     ended: str
     trajectory: DynamicTrajectory
@@ -193,4 +224,6 @@ class DynamicDrag(Stroke):
 def turned(angle: Array, vectors: Array) -> Array:
     """Return vectors (n, 2) or (1, 2) turned counter-clockwise by angles (n,), rad."""
     c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]])
+    return np.column_stack(
+        [c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]]
+    )

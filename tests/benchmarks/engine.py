@@ -38,7 +38,8 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine import strokes as engine
-from cyclemap.mechanics.engine.strokes import PARAMETERS, THREADS_VARIABLE, thread_count
+from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE, thread_count
 from tests.benchmarks.timing import Row, in_turns, map_alone, seconds, show
 
 MIT = CollectionLoop.mit()

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from cyclemap.mechanics import Ellipse, LimitSurface, PatchFootprint
-from cyclemap.mechanics.engine.strokes import KINDS
+from cyclemap.mechanics.engine.schema import KINDS, PIECE, RECORD
 
 # Modes of a contact on the outline, with the side of the friction cone that its force lies on.
 CONTACTS = {"stick": 0, "slide_left": 1, "slide_right": -1, "slide_free": 0}
@@ -40,11 +40,13 @@ class Check:
 
 def story(stroke):
     """Modes and kinds of contact that a push or drag goes through, in order."""
-    course, rows = stroke.trajectory, stroke.course.rows
-    pieces = stroke.course.strokes.pieces[rows[-len(course.path) :, 6].astype(int), 0].astype(int)
-    if not set(course.mode[:1]) <= {"ring", "ring_left", "ring_right", "ring_stuck"}:
-        pieces = stroke.course.strokes.pieces[rows[: len(course.path), 6].astype(int), 0].astype(int)
-    told = [(str(course.mode[k]), KINDS[pieces[k]]) for k in np.unique(course.phase, return_index=True)[1]]
+    course, rows, kinds = stroke.trajectory, stroke.course.rows, tuple(KINDS)
+    in_ring = str(course.mode[0]).startswith("ring")
+    of_stroke = rows[-len(course.path) :] if in_ring else rows[: len(course.path)]
+    pieces = stroke.course.strokes.pieces[RECORD.columns_of(of_stroke).piece.astype(int)]
+    numbers = PIECE.columns_of(pieces).kind.astype(int)
+    starts = np.unique(course.phase, return_index=True)[1]
+    told = [(str(course.mode[k]), kinds[numbers[k]]) for k in starts]
     return [one for k, one in enumerate(told) if k == 0 or one != told[k - 1]]
 
 

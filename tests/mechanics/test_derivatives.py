@@ -23,7 +23,7 @@ from cyclemap.mechanics import (
     grid_footprint,
 )
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleSlopes, run_batch
-from cyclemap.mechanics.engine.strokes import PARAMETERS
+from cyclemap.mechanics.engine.schema import PARAMETERS
 
 LAW = ("mu_a", "mu_b", "m0", "n0", "phi")
 SHARES = ("inner_share", "rim_share", "corner_share")

@@ -20,6 +20,7 @@ from cyclemap.mechanics import (
     grid_footprint,
     load_material,
 )
+from cyclemap.mechanics.engine.schema import RECORD
 
 pytestmark = pytest.mark.slow
 
@@ -120,7 +121,7 @@ def test_the_residual_of_a_trajectory_tells_forces_outside_the_cone():
     assert course.trajectory(of_push=True).residual < 1e-12
     less = replace(course, strokes=replace(course.strokes, rod_friction=0.1))
     less.__dict__["rows"] = course.rows
-    rows = course.rows[course.rows[:, 0] == 0.0]
-    sliding = rows[rows[:, 7] > 0.0]
-    assert less.trajectory(of_push=True).residual == pytest.approx((0.05 * sliding[:, 8]).max(), rel=1e-9)
+    told = RECORD.columns_of(course.rows)
+    sliding = told.compression[(told.stroke == 0.0) & (told.mode > 0.0)]
+    assert less.trajectory(of_push=True).residual == pytest.approx(0.05 * sliding.max(), rel=1e-9)
     assert math.isfinite(less.trajectory(of_push=True).residual)

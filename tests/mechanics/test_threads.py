@@ -26,7 +26,8 @@ from cyclemap.mechanics import (
     grid_footprint,
 )
 from cyclemap.mechanics.cycle_batch import run_batch
-from cyclemap.mechanics.engine.strokes import PARAMETERS, THREADS_VARIABLE
+from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE
 
 THETA = np.linspace(-4.0, 5.0, 24)
 SQUARE = Slider.mit("rect1").outline

@@ -16,7 +16,7 @@ from cyclemap.mechanics import (
     SidePush,
     Slider,
 )
-from cyclemap.mechanics.engine.strokes import MODES
+from cyclemap.mechanics.engine.schema import KINDS, MODES, PIECE, RECORD
 
 PLYWOOD, ISOTROPIC = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175), (0.25, 0.25, 0.0, 0.0, 0.0)
 NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03))
@@ -94,15 +94,22 @@ def test_along_whole_pushes_the_independent_solver_finds_the_engines_modes_and_f
     model = model_of(case[0])
     assert check(model, push.trajectory).worst < 1e-6
     for row in course.rows[:: max(1, len(course.rows) // 25)]:
-        piece, name = course.strokes.pieces[int(row[6])], MODES[int(row[7])]
+        told = RECORD.of(row)
+        name = MODES[int(told.mode)].name
         seen.add(name)
         if not name.startswith("wedge"):
             continue
-        instant = Instant(wrench, row[4], unit(course.strokes.direction - row[4]), radius, mu, course.unit)
-        places = [Contact(tuple(course.unit * piece[1:3] - radius * unit(a)), a) for a in piece[3:5]]
+        at = KINDS["wedge"].of(PIECE.of(course.strokes.pieces[int(told.piece)]).geometry)
+        ahead, rod = unit(course.strokes.direction - told.theta), np.array((at.x, at.y))
+        instant = Instant(wrench, told.theta, ahead, radius, mu, course.unit)
+        places = [
+            Contact(tuple(course.unit * rod - radius * unit(angle)), angle)
+            for angle in (at.first_normal, at.second_normal)
+        ]
         # Where a mode ends a margin is zero.
         held = [mode for mode in modes_of_both(instant, places) if mode.margins.min() > -1e-6]
         (mode,) = {mode.name: mode for mode in held if NAMES[mode.name] == name}.values()
         if name != "wedge_stuck":
-            assert np.allclose(course.scale * row[8:10], [force for force, _ in mode.forces], rtol=0.0, atol=1e-8)
+            forces = course.scale * np.array((told.compression, told.tangential))
+            assert np.allclose(forces, [force for force, _ in mode.forces], rtol=0.0, atol=1e-8)
     assert seen == set(modes)

@@ -37,7 +37,8 @@ from cyclemap.mechanics import (
     Slider,
 )
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, derivative_units, run_batch
-from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
+from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.engine.strokes import Strokes
 from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.quasi_static import run_strokes
 

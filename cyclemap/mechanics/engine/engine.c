@@ -1,17 +1,23 @@
-/* Pushes, drags and whole cycles of a slider: one library for every object. It is compiled as one piece:
+/* Pushes, drags and whole cycles of a slider: one library for every object. It is compiled as one
+   piece:
 
-   kernels.c   written when the package is built: CasADi's functions of equations.py, and the tables of generate.py
-   pressure.c  wrench and Hessian of friction: what edges, lines and points add, whole footprints, their derivatives
+   kernels.c   written when the package is built: names of schema.py, CasADi's functions of
+               equations.py, and the tables of generate.py
+   pressure.c  wrench and Hessian of friction: what edges, lines and points add, whole footprints,
+               their derivatives
    ellipse.c   what elliptic patches and rims add
-   contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns, solved until certain
+   contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns,
+               solved until certain
    rest.c      support points that come to rest
-   step.c      one step of a motion, its error, its length, and how its end varies with its start and parameters
+   step.c      one step of a motion, its error, its length, and how its end varies with its start
+               and parameters
    phase.c     a motion until its contact changes
    stroke.c    phases joined: whole pushes and drags
    cycle.c     pushes and drags in the world, their derivatives, and batches of them
 
-   No function keeps anything from one call to the next: any number of threads may call at once. Lengths are in extents
-   of the footprint, forces per unit load over the mean friction coefficient. */
+   No function keeps anything from one call to the next: any number of threads may call at once.
+   Lengths are in extents of the footprint, forces per unit load over the mean friction
+   coefficient. */
 
 #include <complex.h>
 #include <math.h>
@@ -34,6 +40,9 @@ static double fast_log1p(double x) {
     return x > 1.0 ? log(u) : u == 1.0 ? x : log(u) * (x / (u - 1.0));
 }
 #define log1p fast_log1p
+
+/* Places in the plane; other names are those of schema.py. */
+enum { X, Y };
 
 #define CASADI_SYMBOL_EXPORT static
 #include "kernels.c"

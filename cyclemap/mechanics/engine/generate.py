@@ -1,4 +1,6 @@
-"""Writes the part of the engine that is generated: CasADi's functions as C, and the tables that the driver reads."""
+"""Writes the part of the engine that is generated: CasADi's functions as C, and the tables that the
+driver reads.
+"""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,11 +9,14 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.engine import equations
+from cyclemap.mechanics.engine import equations, schema
+from cyclemap.mechanics.engine.columns import braced, enum_of, numbered
+from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, ROW_KINDS, SHARES
 
-# Verner's efficient method of order 7 with its estimator of order 6 (Numerically optimal Runge-Kutta pairs with
-# interpolants, Numerical Algorithms 53, 2010: pair IIa). For errors of 1e-10 it evaluates two fifths less often than
-# Dormand & Prince's method of order 5, for errors of 1e-7 no more often.
+# Verner's efficient method of order 7 with its estimator of order 6 (Numerically optimal
+# Runge-Kutta pairs with interpolants, Numerical Algorithms 53, 2010: pair IIa). For errors of 1e-10
+# it evaluates two fifths less often than Dormand & Prince's method of order 5, for errors of 1e-7
+# no more often.
 STAGES, ORDER = 10, 7
 ROWS = (
     (),
@@ -20,7 +25,14 @@ ROWS = (
     (0.040833333333333333, 0.0, 0.1225),
     (0.63891392362557267, 0.0, -2.4556726382236568, 2.2722587145980841),
     (-2.6615773750187571, 0.0, 10.804513886456137, -8.3539146573961994, 0.82048759495665697),
-    (6.0677414346967710, 0.0, -24.711273635911086, 20.427517930788894, -1.9061579788166471, 1.0061722492420680),
+    (
+        6.0677414346967710,
+        0.0,
+        -24.711273635911086,
+        20.427517930788894,
+        -1.9061579788166471,
+        1.0061722492420680,
+    ),
     (
         *(12.054670076253203, 0.0, -49.754784950468989, 41.142888638604677, -4.4617601499740042),
         *(2.0423348222391750, -0.098348436654061074),
@@ -46,35 +58,68 @@ C = np.array((0, 0.005, 49 / 450, 49 / 300, 0.4555, 0.60950944899783813, 0.884, 
 # The stages and the end.
 PLACES = np.append(C, 1.0)
 
-# Weights (11,) for the middle of a step: of the slopes, for the state there off that at the start; of what depends on
-# the state, for its value there. The least that meet all conditions of order 5 (Hairer, Norsett & Wanner 1993, II.6).
+# Weights (11,) for the middle of a step: of the slopes, for the state there off that at the start;
+# of what depends on the state, for its value there. The least that meet all conditions of order 5
+# (Hairer, Norsett & Wanner 1993, II.6).
 MIDDLE_STATE = (
-    *(0.035872124140919226, 0.0, 0.0, 0.2927778629723282, 0.15466583111049065, 0.035335738322645936),
-    *(-0.022795887222108478, -0.01598795836457182, -0.002983084893816224, -0.00813462606585775, 0.03124999999997027),
+    *(
+        0.035872124140919226,
+        0.0,
+        0.0,
+        0.2927778629723282,
+        0.15466583111049065,
+        0.035335738322645936,
+    ),
+    *(
+        -0.022795887222108478,
+        -0.01598795836457182,
+        -0.002983084893816224,
+        -0.00813462606585775,
+        0.03124999999997027,
+    ),
 )
 MIDDLE_VALUE = (
-    *(-0.013511819410986205, 0.0, 0.0, 0.02972671393272141, 0.5677895152953676, 0.49678072753427055),
-    *(-0.06264859328084359, -0.09655820701226067, -0.043937232907102934, -0.06514110415106912, 0.18749999999990288),
+    *(
+        -0.013511819410986205,
+        0.0,
+        0.0,
+        0.02972671393272141,
+        0.5677895152953676,
+        0.49678072753427055,
+    ),
+    *(
+        -0.06264859328084359,
+        -0.09655820701226067,
+        -0.043937232907102934,
+        -0.06514110415106912,
+        0.18749999999990288,
+    ),
 )
 PANEL_ORDER = 12
-# Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors have at most.
+# Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors
+# have at most.
 RULES, DIGITS = (8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512), 34.0
 
 
 def write_sources(folder: Path) -> None:
-    """Write kernels.c into a folder."""
+    """Write kernels.c into a folder: the schema, the functions, and tables of them and of the
+    method's numbers.
+    """
     functions = equations.kernels() | equations.contacts()
     generator = ca.CodeGenerator("kernels", {"with_header": False, "casadi_int": "int64_t"})
     for function in functions.values():
         generator.add(function)
-    (Path(folder) / "kernels.c").write_text(f"{generator.dump()}\n{_tables()}", encoding="utf-8")
+    (Path(folder) / "kernels.c").write_text(
+        f"{_names()}\n{generator.dump()}\n{_tables()}", encoding="utf-8"
+    )
 
 
 def bend_weights() -> NDArray[np.float64]:
-    """Weights (11, 11) of earlier stages: what their unknowns are off the tangent, over their places' squares, goes on.
+    """Weights (11, 11) of earlier stages: what their unknowns are off the tangent, over their
+    places' squares, goes on.
 
-    By a parabola through the last three; more would magnify what their states are off the path. The end, and the stage
-    that lies there for the estimate alone, go by the first stage at that place.
+    By a parabola through the last three; more would magnify what their states are off the path. The
+    end, and the stage that lies there for the estimate alone, go by the first stage at that place.
     """
     weights = np.zeros((STAGES + 1, STAGES + 1))
     for i in range(2, STAGES + 1):
@@ -87,12 +132,14 @@ def bend_weights() -> NDArray[np.float64]:
 
 
 def rough_weights() -> NDArray[np.float64]:
-    """Weights (11,) of the fifth divided difference of the slopes at six stages, that of the last as in the method.
+    """Weights (11,) of the fifth divided difference of the slopes at six stages, that of the last
+    as in the method.
 
-    What a method of order 5 of the same stages would add. It falls with the sixth power of the step, the estimate with
-    the seventh: as large on usual steps, a share of it remains where the estimate nearly vanishes by chance, as it may
-    when the centre of rotation crosses the rim within a step. Shares of .05 left single cycles eight accuracies off,
-    .3 and .5 none beyond one and a half.
+    What a method of order 5 of the same stages would add. It falls with the sixth power of the
+    step, the estimate with the seventh: as large on usual steps, a share of it remains where the
+    estimate nearly vanishes by chance, as it may when the centre of rotation crosses the rim within
+    a step. Shares of .05 left single cycles eight accuracies off, .3 and .5 none beyond one and a
+    half.
     """
     used = np.array((0, 3, 4, 5, 6, 7))
     apart = C[used, None] - C[used] + np.eye(used.size)
@@ -101,33 +148,64 @@ def rough_weights() -> NDArray[np.float64]:
     return np.asarray(weights * WEIGHTS[used[-1]] / weights[used[-1]])
 
 
+def _names() -> str:
+    """Enums, structures and tables of what schema.py declares."""
+    rows = (
+        *(schema.STATE, schema.UNKNOWN, schema.TWIST, schema.MATRIX, schema.FRICTION),
+        *(schema.MOTION, schema.FRAME, schema.MARGIN, schema.MOMENT, schema.REPORT),
+        *(schema.PIECE, *schema.KINDS.values(), ROW, *ROW_KINDS.values(), NODE),
+        *(schema.TASK, schema.RESULT, schema.OUTPUT, schema.RECORD),
+    )
+    modes, parts = schema.MODES, [part.name for part in PARTS]
+    shares = [SHARES.index(part.share) if part.share else -1 for part in PARTS]
+    balances = [parts.index(part.balance) if part.balance else -1 for part in PARTS]
+    integers = {
+        "UNKNOWNS": schema.LAWS.values(),
+        "MODE_LAW": [list(schema.LAWS).index(mode.law) for mode in modes],
+        "MODE_PLACE": [schema.PLACES.index(mode.place) for mode in modes],
+        "MODE_HELD": [int(mode.is_held) for mode in modes],
+        "VARIED_AT": schema.VARIED.values(),
+        "SHARE_OF_PART": shares,
+        "BALANCE_OF_PART": balances,
+        "BY_SHARE": [schema.PARAMETERS.index(name) for name in SHARES],
+    }
+    return "\n".join(
+        [
+            "#include <stdint.h>",
+            *(columns.enum() for columns in rows),
+            enum_of({status.name: status.value for status in schema.Status}),
+            numbered([mode.name for mode in modes]),
+            numbered(schema.PLACES, "AT_"),
+            numbered(tuple(schema.LAWS), "LAW_", "LAWS"),
+            numbered(tuple(schema.KINDS), "KIND_", "KINDS"),
+            numbered(tuple(ROW_KINDS)),
+            numbered(parts, size_name="PARTS"),
+            numbered(schema.PARAMETERS, "BY_", "MOST_VARIED"),
+            numbered(schema.SOURCES, "SOURCE_", "SOURCES"),
+            enum_of({"VARIED": len(schema.VARIED), "SHARES": len(SHARES)}),
+            *(
+                f"static const int {name}[] = {braced(values)};"
+                for name, values in integers.items()
+            ),
+            f"static const double SIGN[] = {braced(mode.sign for mode in modes)};",
+            *(each.definition() for each in (schema.PRESSURE, schema.OBJECT, schema.LOOP)),
+        ]
+    )
+
+
 def _tables() -> str:
     coefficients = np.array([row + (0.0,) * (STAGES - 1 - len(row)) for row in ROWS])
     nodes, weights = np.polynomial.legendre.leggauss(PANEL_ORDER)
     order = [i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [STAGES]
-    nearest = [int(np.argmin(np.abs(PLACES[: max(i, 1)] - PLACES[i]))) for i in range(STAGES + 1)]
-    varied, parameters = equations.VARIED, equations.PARAMETERS
     counts = {
         "STAGES": STAGES,
         "ORDER": ORDER,
         "PLACE_COUNT": len(order),
-        "PARAMETERS": len(parameters),
-        **{name: parameters.index(name.lower()) for name in ("DIRECTION", "SMU", "PHI")},
-        "COSINES": parameters.index("cos_direction"),
-        "FRAME": len(equations.FRAME),
-        "VARIED": len(varied),
-        "MOST_VARIED": 17,
-        **{f"SOURCE_{name}": varied.index(name.lower()) for name in ("DIRECTION", "RADIUS", "SMU", "MU_A")},
-        "SOURCE_GEOMETRY": varied.index("geometry_0"),
-        **{f"KIND_{kind.upper()}": i for i, kind in enumerate(equations.KINDS)},
-        **{f"LAW_{law.upper()}": i for i, law in enumerate(equations.LAWS)},
-        "KINDS": len(equations.KINDS),
         "RULE_COUNT": len(RULES),
         "PANEL_ORDER": PANEL_ORDER,
-        "LAWS": len(equations.LAWS),
     }
-    lines = [f"enum {{ {', '.join(f'{name} = {value}' for name, value in counts.items())} }};"]
-    integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest, "VARIED_AT": [parameters.index(n) for n in varied]}
+    lines = [enum_of(counts)]
+    integers = {"STAGE_ORDER": order}
     angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])
     integers["FIRST_NODE"] = np.cumsum([0, *(count // 2 for count in RULES)]).tolist()
     integers["RULES"] = list(RULES)
@@ -145,20 +223,25 @@ def _tables() -> str:
         "GAUSS_NODES": nodes,
         "GAUSS_WEIGHTS": weights,
     }
-    lines += [f"static const int {name}[] = {_braced(values)};" for name, values in integers.items()]
-    lines += [f"static const double {name}[] = {_braced(map(float, values))};" for name, values in numbers.items()]
+    lines += [f"static const int {name}[] = {braced(values)};" for name, values in integers.items()]
+    lines += [
+        f"static const double {name}[] = {braced(map(float, values))};"
+        for name, values in numbers.items()
+    ]
     for name, table in (("A", coefficients), ("BEND", bend_weights())):
-        rows = _braced(_braced(row) for row in table.tolist())
+        rows = braced(braced(row) for row in table.tolist())
         lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
-    lines.append("typedef int Function(const casadi_real **, casadi_real **, casadi_int *, casadi_real *, int);")
+    lines.append(
+        "typedef int Function(const casadi_real **, casadi_real **, casadi_int *, casadi_real *, "
+        "int);"
+    )
     for name in ("BEGIN", "SLOPES", "ALL_SLOPES"):
-        entries = _braced(
-            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}" for kind, law in equations.PAIRS
+        entries = braced(
+            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}"
+            for kind, law in schema.PAIRS
         )
         lines.append(f"static Function *const {name}[KINDS][LAWS] = {entries};")
-    lines.append(f"static Function *const FINISH[] = {_braced(f'finish_{law}' for law in equations.LAWS)};")
+    lines.append(
+        f"static Function *const FINISH[] = {braced(f'finish_{law}' for law in schema.LAWS)};"
+    )
     return "\n".join(lines) + "\n"
-
-
-def _braced(values: Iterable[object]) -> str:
-    return f"{{{', '.join(map(str, values))}}}"

@@ -1,25 +1,29 @@
 /* One phase: a motion integrated until its contact changes, which it lands on. */
 
-/* A margin this share of the tolerance's root below zero still counts as kept, and a place where one is that near to
-   zero as landed on: rates are continuous from one law to the next, so that what is wrong is of its square. Where rates
-   jump (a rod that leaves while it sticks, a point that passes a corner) it is this share of the tolerance itself. */
+/* A margin this share of the tolerance's root below zero still counts as kept, and a place where
+   one is that near to zero as landed on: rates are continuous from one law to the next, so that
+   what is wrong is of its square. Where rates jump (a rod that leaves while it sticks, a point that
+   passes a corner) it is this share of the tolerance itself. */
 static const double SLACK_SHARE = 0.03, STRICT_SHARE = 0.1;
-/* What a side's ends are told by, extents: their rounding; and speeds along it, over the rod's, that count as none. */
+/* What a side's ends are told by, extents: their rounding; and speeds along it, over the rod's,
+   that count as none. */
 static const double AT_END = 1e-14, AT_REST = 1e-9;
-/* Forces may lie outside the friction cone by this, over the mean friction coefficient: far more than their rounding. */
+/* Forces may lie outside the friction cone by this, over the mean friction coefficient: far more
+   than their rounding. */
 static const double FORCE_SLACK = 4e-10;
-/* A margin that dips this many slacks below zero at a stage, though not at the end, calls for a shorter step. */
+/* A margin that dips this many slacks below zero at a stage, though not at the end, calls for a
+   shorter step. */
 static const double DIP = 30.0;
 /* A motion that cannot go on by this much, where a margin is zero, has ended there. */
 static const double STUCK = 1e-8;
-/* Steps above this share of the length are made in one go or not at all: shorter ones are cheaper than certainty. */
+/* Steps above this share of the length are made in one go or not at all: shorter ones are cheaper
+   than certainty. */
 static const double SHORT = 1e-5;
 /* Where polar unknowns are not found in steps this short, over the length, plain ones are tried. */
 static const double UNWATCHED = 1e-5;
 enum { NOTHING = -100, MOST_STEPS = 20000 };
 
-/* Where a stroke is written down: rows of RECORD_COLUMNS, as long as there is room. */
-enum { RECORD_COLUMNS = 15 };
+/* Where a stroke is written down, as long as there is room. */
 struct Record { int64_t count, room; double *rows, longest, stroke, travelled, start[2]; };
 
 /* The margin that is least, in slacks. */
@@ -31,23 +35,28 @@ static int least(const double *row, const double *slack, double *value) {
     return index;
 }
 
-/* How far below zero each margin may go. The ends of a piece count by the curvature beyond them: arcs have the rod's
-   radius. A point may come to them from rest, so that its travel is off by the root of what is left. */
+/* How far below zero each margin may go. The ends of a piece count by the curvature beyond them:
+   arcs have the rod's radius. A point may come to them from rest, so that its travel is off by the
+   root of what is left. */
 static void set_slack(const Stroke *r, const Motion *m, double *slack) {
-    double tolerance = r->object->tolerance, radius = r->object->radius, strict = STRICT_SHARE * tolerance;
+    double tolerance = r->object->tolerance, radius = r->object->radius;
+    double strict = STRICT_SHARE * tolerance;
     for (int k = 0; k < MARGINS; ++k) slack[k] = SLACK_SHARE * sqrt(tolerance);
     if (m->mode == STICK) {
         slack[APPROACH] = strict;
         slack[FIRST] = slack[SECOND] = FORCE_SLACK;
     }
-    if (m->mode >= WEDGE_LEFT) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
-    if (m->mode >= RING) return;
-    double end = radius > 0.0 ? fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict) : AT_END;
+    if (place_of(m) == AT_WEDGE) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
+    if (place_of(m) != AT_OUTLINE) return;
+    double loose = fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict);
+    double end = radius > 0.0 ? loose : AT_END;
     slack[AFTER_LOW] = slack[BEFORE_HIGH] = kind_of(r, m) == KIND_CORNER ? end / radius : end;
 }
 
-/* The margin that breaks first, where, and its slope (in slacks) there, as the stages tell roughly. */
-static void first_crossing(const Step *taken, const double *slack, int *index, double *place, double *slope) {
+/* The margin that breaks first, where, and its slope (in slacks) there, as the stages tell
+   roughly. */
+static void first_crossing(const Step *taken, const double *slack, int *index, double *place,
+                           double *slope) {
     *place = INFINITY;
     for (int k = 0; k < MARGINS; ++k) {
         int after = 0;
@@ -68,16 +77,20 @@ static void first_crossing(const Step *taken, const double *slack, int *index, d
     }
 }
 
-/* Where a margin is landed on, in slacks: a contact that sticks is still inside the friction cone, one that slides has
-   just come to rest, so that the force that it needs to stick is inside as well. */
+/* Where a margin is landed on, in slacks: a contact that sticks is still inside the friction cone,
+   one that slides has just come to rest, so that the force that it needs to stick is inside as
+   well. */
 static double goal_of(const Motion *m, int broken) {
     if (broken < FIRST || broken == RESTS) return 0.0;
     return slides(m) ? -0.5 : 0.5;
 }
 
-/* Shortens a step until the first margin to break is zero: secants on its length inside a bracket; returns which. */
+/* Shortens a step until the first margin to break is zero: secants on its length inside a bracket;
+   returns which. */
 static int land(Stroke *r, Motion *m, const double *start, const double *slack, Step *taken) {
-    double low = 0.0, high = taken->h, h, slope, place = NAN, before = NAN, z[2] = {m->z[0], m->z[1]}, value;
+    double low = 0.0, high = taken->h, h, slope, place = NAN, before = NAN, value;
+    double z[UNKNOWN_SIZE];
+    memcpy(z, m->z, sizeof z);
     int broken = NOTHING, has_kept = 0;
     Step tried, kept;
     first_crossing(taken, slack, &broken, &h, &slope);
@@ -124,14 +137,14 @@ static int land(Stroke *r, Motion *m, const double *start, const double *slack, 
         place = h;
         before = margin;
         h = slope < 0.0 ? h - margin / slope : NAN;
-        /* secants creep where a margin jumps, as it may between support points: now and then the bracket is halved */
+        /* secants creep where a margin jumps, as it may between support points: now and then the
+           bracket is halved */
         if (!(low < h && h < high) || i % 8 == 7) h = 0.5 * (low + high);
     }
     return UNSOLVED;
 }
 
-/* Writes down a motion at a row: number of the stroke, travel, the rod's place, state, piece, mode, the two forces, what
-   is left of their balance, the contact's point and outward normal in the object's frame. */
+/* Writes down a motion at a row. */
 static int record(Stroke *r, Motion *m, const double *row) {
     Record *to = r->record;
     if (!to) return 1;
@@ -144,16 +157,31 @@ static int record(Stroke *r, Motion *m, const double *row) {
     Begun b;
     begin(r, &at, row, at.z, &b);
     const double *f = b.frame;
-    const double values[] = {to->stroke, to->travelled, to->start[0] + to->travelled * cos(r->direction),
-                             to->start[1] + to->travelled * sin(r->direction), row[0], row[1], m->piece, m->mode,
-                             report[NORMAL_FORCE], report[TANGENTIAL_FORCE], fabs(report[RESIDUAL]), f[3], f[4], f[5], f[6]};
-    memcpy(to->rows + RECORD_COLUMNS * to->count++, values, sizeof values);
+    double *to_row = to->rows + RECORD_COLUMNS * to->count++;
+    to_row[RECORD_STROKE] = to->stroke;
+    to_row[RECORD_TRAVEL] = to->travelled;
+    to_row[RECORD_ROD + X] = to->start[X] + to->travelled * cos(r->direction);
+    to_row[RECORD_ROD + Y] = to->start[Y] + to->travelled * sin(r->direction);
+    to_row[RECORD_THETA] = row[THETA];
+    to_row[RECORD_COORDINATE] = row[COORDINATE];
+    to_row[RECORD_PIECE] = m->piece;
+    to_row[RECORD_MODE] = m->mode;
+    to_row[RECORD_COMPRESSION] = report[NORMAL_FORCE];
+    to_row[RECORD_TANGENTIAL] = report[TANGENTIAL_FORCE];
+    to_row[RECORD_RESIDUAL] = fabs(report[RESIDUAL]);
+    to_row[RECORD_POINT + X] = f[FRAME_X];
+    to_row[RECORD_POINT + Y] = f[FRAME_Y];
+    to_row[RECORD_NORMAL + X] = f[FRAME_COSINE];
+    to_row[RECORD_NORMAL + Y] = f[FRAME_SINE];
     return 1;
 }
 
-/* Integrates a motion over a length or until a margin falls below zero: returns which, NOTHING, or why it cannot. */
-static int integrate_watching(Stroke *r, Motion *m, double *state, double length, double *next_h, double *done, Step *taken) {
-    double h = *next_h, first_h = *next_h, tolerance = r->object->tolerance, slack[MARGINS], loose[MARGINS], row[ROW], report[REPORT], value;
+/* Integrates a motion over a length or until a margin falls below zero: returns which, NOTHING, or
+   why it cannot. */
+static int integrate_watching(Stroke *r, Motion *m, double *state, double length, double *next_h,
+                              double *done, Step *taken) {
+    double h = *next_h, first_h = *next_h, tolerance = r->object->tolerance, slack[MARGINS];
+    double loose[MARGINS], row[ROW], report[REPORT], value;
     int refused = 0, count = 0, is_blocked = 0, found = evaluate(r, m, state, row, report);
     set_slack(r, m, slack);
     memcpy(loose, slack, sizeof loose);
@@ -169,7 +197,8 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
         int broken = NOTHING;
         found = attempt(r, m, row, tried, tried > SHORT * length, taken);
         if (found < 0) return found;
-        if (m->watched >= 0 && (found ? !is_watchable(m, taken->rows[STAGES]) : tried <= UNWATCHED * length)) {
+        if (m->watched >= 0
+            && (found ? !is_watchable(m, taken->rows[STAGES]) : tried <= UNWATCHED * length)) {
             unwatch(r, m, row);
             m->has_tangent = 0;
             is_blocked = 1;
@@ -177,7 +206,8 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
         }
         if (!found || !(taken->error <= tolerance)) {
             int ended = least(row, slack, &value);
-            if (count && has_margins(m) && tried <= fmax(tolerance, STUCK) && value <= 1.0 && ended != RESTS) {
+            if (count && has_margins(m) && tried <= fmax(tolerance, STUCK) && value <= 1.0
+                && ended != RESTS) {
                 *next_h = first_h;
                 return ended;
             }
@@ -195,20 +225,23 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
             h = 0.4 * tried;
             continue;
         }
-        if (broken != NOTHING && tried > LEAST_ADVANCE && (broken = land(r, m, row, slack, taken)) < 0) return broken;
+        if (broken != NOTHING && tried > LEAST_ADVANCE
+            && (broken = land(r, m, row, slack, taken)) < 0)
+            return broken;
         memcpy(row, taken->rows[STAGES], sizeof row);
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         m->has_tangent = 0;
         if (r->varied && (found = vary_step(r, m, taken)) < 0) return found;
         ++count;
         *done += taken->h;
-        memcpy(state, row, 2 * sizeof(double));
+        memcpy(state, row, STATE_SIZE * sizeof(double));
         if (r->record) {
             r->record->travelled += taken->h;
             if ((found = record(r, m, row)) < 0) return found;
         }
         /* a last short step says nothing about the size that the next phase can take */
-        if (taken->h == h) h = fmin(next_length(tried, taken->error, tolerance), refused ? h : INFINITY);
+        double longer = next_length(tried, taken->error, tolerance);
+        if (taken->h == h) h = fmin(longer, refused ? h : INFINITY);
         refused = 0;
         *next_h = h;
         if (broken != NOTHING && broken != RESTS) return broken;
@@ -226,7 +259,8 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
 }
 
 /* The same, beginning and ending with plain unknowns. */
-static int integrate(Stroke *r, Motion *m, double *state, double length, double *next_h, double *done, Step *taken) {
+static int integrate(Stroke *r, Motion *m, double *state, double length, double *next_h,
+                     double *done, Step *taken) {
     int found = integrate_watching(r, m, state, length, next_h, done, taken);
     if (found >= 0 || found == NOTHING) unwatch(r, m, taken->rows[STAGES]);
     return found;

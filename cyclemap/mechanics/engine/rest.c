@@ -1,189 +1,237 @@
 /* Support points that come to rest: what the centre of rotation comes near to.
 
-   Friction of a point that hardly moves turns with its velocity w however small that is: it has a kink where the point
-   rests. So the point nearest to the centre of rotation is watched: the unknowns of the motion are told by its velocity,
-   in polar coordinates, in which nothing is abrupt, and the motion goes on smoothly beyond the rest itself. That it comes
-   to rest is an event, where a margin is zero:
+   Friction of a point turns with the image w of its velocity however small that is: it has a kink
+   where the point rests. So the point nearest to the centre of rotation is watched: the unknowns of
+   the motion are told by w in polar coordinates, in which nothing is abrupt, so that steps go on
+   smoothly beyond the rest itself. That the point rests is an event, where a margin is zero:
 
-   A contact that sticks leaves the point a line of velocities, w = d n + x b, d by the state alone. Unknown is the angle
-   of w from n, for either sign of d: w comes to rest for an instant, where d changes its sign.
-   A contact that slides leaves it all velocities. Unknowns are the speed and the direction. Once the speed is zero the
-   point rests: the object turns about it, and its friction is what the others leave to it, until that comes to the edge
-   of its ellipse; then it sets out in the direction of that force. */
+   A contact that sticks leaves the point a line of w = away n + along b, `away` by the state alone.
+   Unknown is the angle of w from n, on either side of the line's foot: w is zero for an instant,
+   where `away` changes its sign.
+   A contact that slides leaves it every w; unknowns are its size and its direction. Where the size
+   is zero the point comes to rest: the object turns about it, and its friction is what the others
+   leave to it, until that comes to the edge of its ellipse. Then it sets out in the direction of
+   that force. */
 
-/* Centres of rotation nearer to a point than this (extents, in the velocity plane) make it watched; and the tangent of
-   the angle beyond which a sticking contact's friction does not come from it. */
+/* Points no farther than this from the centre of rotation (extents, in the velocity plane) are
+   watched; under a contact that sticks, up to this tangent of their angle: beyond it the balance is
+   not theirs. */
 static const double NEAR = 0.04, STEEP = 4.0;
-/* Steps of states that tangents are told by; and the least speed by which directions turn. */
-static const double ASIDE = 1e-7, LEAST_SPEED = 1e-9;
-/* Speeds (unit travel of the rod) that count as rest where a motion begins. */
+/* Steps of states that tangents are told by, and the least size by which directions turn. */
+static const double ASIDE = 1e-7, LEAST_SIZE = 1e-9;
+/* Sizes of w (unit travel of the rod) that count as rest where a motion begins. */
 static const double RESTING = 1e-9;
 
-/* The watched point at a state: w = still + z0 by[0] + z1 by[1]. */
+/* The watched point at a state: w = still + spin by[SPIN] + slip by[SLIP]. */
 typedef struct {
-    Begun b; /* at rest of both unknowns */
+    Begun begun; /* without spin and slip */
     const double *row;
-    double load, still[2], by[2][2];
+    double load, still[2], by[UNKNOWN_SIZE][2];
 } Watched;
 
-static void watched_at(const Stroke *r, const Motion *m, const double *state, Watched *w) {
-    const double none[2] = {0.0, 0.0}, *n = w->b.matrix;
-    begin(r, m, state, none, &w->b);
-    const double *f = w->b.frame;
-    w->row = support(r, m->watched);
-    w->load = w->row[ROW_LOAD] * r->object->pressure.load[part_of_points(r)];
-    double x = f[3] - w->row[ROW_GEOMETRY], y = f[4] - w->row[ROW_GEOMETRY + 1];
-    const double ways[3][2] = {{w->b.twist[0], w->b.twist[1]}, {y, -x}, {-f[6], f[5]}};
-    for (int k = 0; k < 3; ++k) {
-        double *to = k ? w->by[k - 1] : w->still;
-        to[0] = n[0] * ways[k][0] + n[2] * ways[k][1];
-        to[1] = n[1] * ways[k][0] + n[3] * ways[k][1];
-    }
+static void image_by(const double *m, double x, double y, double *image) {
+    image[X] = m[M_XX] * x + m[M_XY] * y;
+    image[Y] = m[M_YX] * x + m[M_YY] * y;
 }
 
-/* What polar unknowns mean: direction u and signed speed of w, how u turns by its angle, plain unknowns and their
-   derivatives by the polar ones. */
-typedef struct { double u[2], turning[2], speed, z[2], by[2][2]; } Polar;
+static Watched watched_at(const Stroke *r, const Motion *m, const double *state, int64_t index) {
+    Watched w = {.row = support(r, index)};
+    const double none[UNKNOWN_SIZE] = {0.0}, *place = w.row + ROW_GEOMETRY;
+    begin(r, m, state, none, &w.begun);
+    const double *f = w.begun.frame, *matrix = w.begun.matrix;
+    w.load = w.row[ROW_LOAD] * r->object->pressure.load[part_of_points(r)];
+    image_by(matrix, w.begun.twist[VX], w.begun.twist[VY], w.still);
+    image_by(matrix, f[FRAME_Y] - place[Y], place[X] - f[FRAME_X], w.by[SPIN]);
+    if (slides(m)) image_by(matrix, -f[FRAME_SINE], f[FRAME_COSINE], w.by[SLIP]);
+    return w;
+}
 
-static Polar polar_at(const Motion *m, const Watched *w, const double *unknown) {
-    Polar p = {.speed = 0.0};
-    if (!slides(m)) {
-        double size = hypot(w->by[0][0], w->by[0][1]), c = cos(unknown[0]), s = sin(unknown[0]);
-        double bx = w->by[0][0] / size, by = w->by[0][1] / size, away = w->still[1] * bx - w->still[0] * by;
-        p.u[0] = -m->side * c * by + s * bx;
-        p.u[1] = m->side * c * bx + s * by;
-        p.turning[0] = m->side * s * by + c * bx;
-        p.turning[1] = -m->side * s * bx + c * by;
-        p.speed = m->side * away / c;
-        p.z[0] = (p.speed * s - w->still[0] * bx - w->still[1] * by) / size;
-        p.by[0][0] = p.speed / (c * size);
-        return p;
-    }
-    double c = cos(unknown[1]), s = sin(unknown[1]), whole = w->by[0][0] * w->by[1][1] - w->by[1][0] * w->by[0][1];
-    double inverse[2][2] = {{w->by[1][1] / whole, -w->by[1][0] / whole}, {-w->by[0][1] / whole, w->by[0][0] / whole}};
-    p.speed = unknown[0];
-    p.u[0] = c;
-    p.u[1] = s;
-    p.turning[0] = -s;
-    p.turning[1] = c;
-    for (int k = 0; k < 2; ++k) {
-        p.z[k] = inverse[k][0] * (p.speed * c - w->still[0]) + inverse[k][1] * (p.speed * s - w->still[1]);
-        p.by[0][k] = inverse[k][0] * c + inverse[k][1] * s;
-        p.by[1][k] = p.speed * (inverse[k][1] * c - inverse[k][0] * s);
+/* The line of w under a contact that sticks: its direction b, how far it goes by spin, and the place
+   of a w on it and beside it. */
+typedef struct { double b[2], rate, away, along; } Line;
+
+static Line line_of(const Watched *w) {
+    Line l = {.rate = hypot(w->by[SPIN][X], w->by[SPIN][Y])};
+    for (int k = 0; k < 2; ++k) l.b[k] = w->by[SPIN][k] / l.rate;
+    l.away = w->still[Y] * l.b[X] - w->still[X] * l.b[Y];
+    l.along = w->still[X] * l.b[X] + w->still[Y] * l.b[Y];
+    return l;
+}
+
+/* What polar unknowns mean: direction u of w and its size, which may be negative; how u turns by
+   its angle; spin and slip, and their derivatives by the polar unknowns. */
+typedef struct { double u[2], turning[2], size, z[UNKNOWN_SIZE], by[UNKNOWN_SIZE][UNKNOWN_SIZE]; } Polar;
+/* Polar unknowns: the angle from the line's normal; or size and direction. */
+enum { FROM_NORMAL = 0, SIZE = 0, FACING };
+
+static Polar polar_on_line(const Watched *w, double side, double angle) {
+    Line l = line_of(w);
+    double c = cos(angle), s = sin(angle), size = side * l.away / c;
+    return (Polar){
+        .u = {s * l.b[X] - side * c * l.b[Y], s * l.b[Y] + side * c * l.b[X]},
+        .turning = {c * l.b[X] + side * s * l.b[Y], c * l.b[Y] - side * s * l.b[X]},
+        .size = size,
+        .z = {(size * s - l.along) / l.rate},
+        .by = {{size / (c * l.rate)}},
+    };
+}
+
+static Polar polar_in_plane(const Watched *w, double size, double angle) {
+    const double *spin = w->by[SPIN], *slip = w->by[SLIP];
+    double c = cos(angle), s = sin(angle), whole = spin[X] * slip[Y] - spin[Y] * slip[X];
+    const double inverse[UNKNOWN_SIZE][2] = {{slip[Y] / whole, -slip[X] / whole},
+                                             {-spin[Y] / whole, spin[X] / whole}};
+    Polar p = {.u = {c, s}, .turning = {-s, c}, .size = size};
+    for (int k = 0; k < UNKNOWN_SIZE; ++k) {
+        const double *i = inverse[k];
+        p.z[k] = i[X] * (size * c - w->still[X]) + i[Y] * (size * s - w->still[Y]);
+        p.by[SIZE][k] = i[X] * c + i[Y] * s;
+        p.by[FACING][k] = size * (i[Y] * c - i[X] * s);
     }
     return p;
 }
 
-/* The wrench of the point's friction in a direction of w. */
-static void own_wrench(const Watched *w, const double *direction, double *wrench) {
-    const double *n = w->b.matrix, *place = w->row + ROW_GEOMETRY;
-    wrench[0] = w->load * (n[0] * direction[0] + n[1] * direction[1]);
-    wrench[1] = w->load * (n[2] * direction[0] + n[3] * direction[1]);
-    wrench[2] = place[0] * wrench[1] - place[1] * wrench[0];
+static Polar polar_at(const Motion *m, const Watched *w, const double *polar) {
+    if (slides(m)) return polar_in_plane(w, polar[SIZE], polar[FACING]);
+    return polar_on_line(w, m->side, polar[FROM_NORMAL]);
 }
 
-static void twist_of(const Motion *m, const Watched *w, const double *z, double *twist) {
-    const double *f = w->b.frame;
-    twist[0] = w->b.twist[0] + z[0] * f[4] - (slides(m) ? z[1] * f[6] : 0.0);
-    twist[1] = w->b.twist[1] - z[0] * f[3] + (slides(m) ? z[1] * f[5] : 0.0);
-    twist[2] = z[0];
+/* The wrench of the point's friction for a w of this direction. */
+static void own_wrench(const Watched *w, const double *u, double *wrench) {
+    const double *m = w->begun.matrix, *place = w->row + ROW_GEOMETRY;
+    wrench[FORCE_X] = w->load * (m[M_XX] * u[X] + m[M_YX] * u[Y]);
+    wrench[FORCE_Y] = w->load * (m[M_XY] * u[X] + m[M_YY] * u[Y]);
+    wrench[TORQUE] = place[X] * wrench[FORCE_Y] - place[Y] * wrench[FORCE_X];
 }
 
-/* The equations' residuals at a wrench, and their derivatives by it. */
-static void balance_at(const Motion *m, const double *f, const double *g, double *residual, double by[2][3]) {
-    double smu = m->p[2], size = hypot(g[0], g[1]), turn = law_of(m) == LAW_TURN && size > 0.0 ? smu / size : 0.0;
-    by[0][0] = f[4] + turn * g[0];
-    by[0][1] = -f[3] + turn * g[1];
-    by[0][2] = 1.0;
-    by[1][0] = smu * f[5] - f[6];
-    by[1][1] = smu * f[6] + f[5];
-    by[1][2] = 0.0;
-    for (int i = 0; i < 2; ++i) residual[i] = by[i][0] * g[0] + by[i][1] * g[1] + by[i][2] * g[2];
+/* The law's residuals at a wrench, and their derivatives by it. */
+static void balance_at(const Motion *m, const double *f, const double *g, double *residual,
+                       double by[UNKNOWN_SIZE][WRENCH]) {
+    double smu = m->p[SMU], size = hypot(g[FORCE_X], g[FORCE_Y]);
+    double turn = law_of(m) == LAW_TURN && size > 0.0 ? smu / size : 0.0;
+    const double torque[WRENCH] = {f[FRAME_Y] + turn * g[FORCE_X], turn * g[FORCE_Y] - f[FRAME_X], 1.0};
+    const double across[WRENCH] = {smu * f[FRAME_COSINE] - f[FRAME_SINE],
+                                   smu * f[FRAME_SINE] + f[FRAME_COSINE], 0.0};
+    memcpy(by[0], torque, sizeof torque);
+    memcpy(by[1], across, sizeof across);
+    for (int i = 0; i < UNKNOWN_SIZE; ++i) {
+        residual[i] = 0.0;
+        for (int k = 0; k < WRENCH; ++k) residual[i] += by[i][k] * g[k];
+    }
 }
 
-static void finish_with(const Motion *m, const Watched *w, const double *z, const double *g, double *row, double *report) {
-    const double *f = w->b.frame;
-    /* any Hessian serves: what it would correct is next to zero */
-    const double wrench[9] = {g[0] - f[0], g[1] - f[1], g[2] - f[2], 1.0, 0.0, 1.0, 0.0, 0.0, 1.0};
-    finish(m, &w->b, z, wrench, row, report);
+/* How the wrench g goes with the polar unknowns: by the twist, which moves the others, and by the
+   direction. */
+static void wrench_varies(const Motion *m, const Watched *w, const Polar *p, const double *others,
+                          double by[UNKNOWN_SIZE][WRENCH]) {
+    const double *f = w->begun.frame;
+    int n = unknowns(m);
+    double turning[WRENCH];
+    own_wrench(w, p->turning, turning);
+    for (int j = 0; j < n; ++j) {
+        const double *z = p->by[j];
+        double x = z[SPIN] * f[FRAME_Y] - z[SLIP] * f[FRAME_SINE];
+        double y = z[SLIP] * f[FRAME_COSINE] - z[SPIN] * f[FRAME_X];
+        by[j][FORCE_X] = others[XX] * x + others[XY] * y + others[XW] * z[SPIN];
+        by[j][FORCE_Y] = others[XY] * x + others[YY] * y + others[YW] * z[SPIN];
+        by[j][TORQUE] = others[XW] * x + others[YW] * y + others[WW] * z[SPIN];
+    }
+    add(by[n - 1], turning, 1.0, WRENCH);
+}
+
+/* Newton's correction of the polar unknowns. */
+static void correction_of(int n, const double *residual, const double by_wrench[][WRENCH],
+                          const double by[][WRENCH], double *step) {
+    double slope[UNKNOWN_SIZE][UNKNOWN_SIZE] = {{0.0}};
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            for (int k = 0; k < WRENCH; ++k) slope[i][j] += by_wrench[i][k] * by[j][k];
+    step[0] = -residual[0] / slope[0][0];
+    if (n == 1) return;
+    double det = slope[0][0] * slope[1][1] - slope[0][1] * slope[1][0];
+    step[0] = (slope[0][1] * residual[1] - slope[1][1] * residual[0]) / det;
+    step[1] = (slope[1][0] * residual[0] - slope[0][0] * residual[1]) / det;
+}
+
+/* About what a correction leaves to be corrected: it bends with the direction, the less the smaller
+   w is and the less the point carries. */
+static double left_of(const Watched *w, const Polar *p, const double *polar, const double *step, int n) {
+    double turn = step[n - 1] * step[n - 1];
+    if (n == 1)
+        return turn * fmin(1.0, fabs(p->by[0][SPIN]) * (1.0 + fabs(tan(polar[FROM_NORMAL]))));
+    return turn * fmin(1.0, w->load + fabs(p->size)) + fabs(step[0] * step[1]) + step[0] * step[0];
+}
+
+/* The begun contact of polar unknowns with its friction: that of all others, and of the point. */
+static void friction_about(Stroke *r, const double *state, const Watched *w, const double *z,
+                           int is_sliding, Begun *b, double *others) {
+    const double *f = w->begun.frame;
+    *b = w->begun;
+    b->twist[VX] += z[SPIN] * f[FRAME_Y] - (is_sliding ? z[SLIP] * f[FRAME_SINE] : 0.0);
+    b->twist[VY] += (is_sliding ? z[SLIP] * f[FRAME_COSINE] : 0.0) - z[SPIN] * f[FRAME_X];
+    b->twist[OMEGA] = z[SPIN];
+    friction_on(r, state, b, &r->is_far, w->row, others);
 }
 
 /* One Newton iteration of polar unknowns, as `iterate` does it for plain ones. */
-static double iterate_watched(Stroke *r, const Motion *m, const double *state, const double *unknown, double *row,
-                              double *report) {
-    Watched w;
-    double twist[3], wrench[9], own[3], turning[3], g[3], residual[2], by[2][3], moved[2][3], step[2] = {0.0, 0.0};
-    watched_at(r, m, state, &w);
-    Polar p = polar_at(m, &w, unknown);
-    const double *f = w.b.frame, ways[2][3] = {{f[4], -f[3], 1.0}, {-f[6], f[5], 0.0}};
-    int n = unknowns(m), angle = n - 1;
-    twist_of(m, &w, p.z, twist);
-    friction_without(&r->object->pressure, twist, w.b.matrix, &r->is_far, w.row, wrench);
-    own_wrench(&w, p.u, own);
-    own_wrench(&w, p.turning, turning);
-    for (int k = 0; k < 3; ++k) g[k] = wrench[k] + own[k] + f[k];
-    balance_at(m, f, g, residual, by);
-    const double hessian[3][3] = {{wrench[3], wrench[4], wrench[6]}, {wrench[4], wrench[5], wrench[7]},
-                                  {wrench[6], wrench[7], wrench[8]}};
-    for (int j = 0; j < n; ++j) {
-        double way[3];
-        for (int k = 0; k < 3; ++k) way[k] = p.by[j][0] * ways[0][k] + p.by[j][1] * ways[1][k];
-        for (int k = 0; k < 3; ++k) {
-            moved[j][k] = hessian[k][0] * way[0] + hessian[k][1] * way[1] + hessian[k][2] * way[2];
-            if (j == angle) moved[j][k] += turning[k];
-        }
-    }
-    double slope[2][2];
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) slope[i][j] = by[i][0] * moved[j][0] + by[i][1] * moved[j][1] + by[i][2] * moved[j][2];
-    if (n == 1) step[0] = -residual[0] / slope[0][0];
-    else {
-        double whole = slope[0][0] * slope[1][1] - slope[0][1] * slope[1][0];
-        step[0] = (slope[0][1] * residual[1] - slope[1][1] * residual[0]) / whole;
-        step[1] = (slope[1][0] * residual[0] - slope[0][0] * residual[1]) / whole;
-    }
-    const double corrected[2] = {unknown[0] + step[0], unknown[1] + step[1]};
-    for (int j = 0; j < n; ++j)
-        for (int k = 0; k < 3; ++k) g[k] += step[j] * moved[j][k];
-    Polar after = polar_at(m, &w, corrected);
-    /* what is left of it bends with the direction, the less the slower the point is and the less it carries */
-    double turn = step[angle] * step[angle], left = n == 1
-        ? turn * fmin(1.0, fabs(p.by[0][0]) * (1.0 + fabs(tan(unknown[0]))))
-        : turn * fmin(1.0, w.load + fabs(p.speed)) + fabs(step[0] * step[1]) + step[0] * step[0];
-    finish_with(m, &w, after.z, g, row, report);
-    memcpy(row, state, 2 * sizeof(double));
-    memcpy(row + UNKNOWN, corrected, 2 * sizeof(double));
+static double iterate_watched(Stroke *r, const Motion *m, const double *state, const double *polar,
+                              double *row, double *report) {
+    Watched w = watched_at(r, m, state, m->watched);
+    Polar p = polar_at(m, &w, polar);
+    Begun b;
+    int n = unknowns(m);
+    double others[FRICTION_SIZE], g[WRENCH], residual[UNKNOWN_SIZE], step[UNKNOWN_SIZE] = {0.0};
+    double by_wrench[UNKNOWN_SIZE][WRENCH], by[UNKNOWN_SIZE][WRENCH], after[UNKNOWN_SIZE];
+    friction_about(r, state, &w, p.z, slides(m), &b, others);
+    own_wrench(&w, p.u, g);
+    add(g, others, 1.0, WRENCH);
+    add(g, b.frame + FRAME_FORCE_X, 1.0, WRENCH);
+    balance_at(m, b.frame, g, residual, by_wrench);
+    wrench_varies(m, &w, &p, others, by);
+    correction_of(n, residual, by_wrench, by, step);
+    for (int j = 0; j < n; ++j) add(g, by[j], step[j], WRENCH);
+    for (int k = 0; k < UNKNOWN_SIZE; ++k) after[k] = polar[k] + step[k];
+    Polar corrected = polar_at(m, &w, after);
+    /* any Hessian serves: what it would correct is next to zero */
+    double friction[FRICTION_SIZE] = {[XX] = 1.0, [YY] = 1.0, [WW] = 1.0};
+    for (int k = 0; k < WRENCH; ++k) friction[k] = g[k] - b.frame[FRAME_FORCE_X + k];
+    finish(m, &b, corrected.z, friction, row, report);
+    memcpy(row, state, STATE_SIZE * sizeof(double));
+    memcpy(row + UNKNOWN, after, sizeof after);
     /* in the ring no contact changes */
-    for (int k = 0; k < RESTS && m->mode >= RING; ++k) row[MARGIN + k] = 1.0;
-    row[MARGIN + RESTS] = n == 1 ? after.speed * cos(corrected[0]) : corrected[0];
-    report[CORRECTION] = sqrt(left);
+    for (int k = 0; k < RESTS && place_of(m) == AT_RING; ++k) row[MARGIN + k] = 1.0;
+    row[MARGIN + RESTS] = slides(m) ? after[SIZE] : m->side * line_of(&w).away;
+    report[CORRECTION] = sqrt(left_of(&w, &p, polar, step, n));
     report[RESIDUAL] = n == 1 ? residual[0] : hypot(residual[0], residual[1]);
     /* of the pressure's sums from afar the point cannot be left out */
     if (r->is_far) report[CORRECTION] = report[RESIDUAL] = NAN;
     return fabs(report[RESIDUAL]);
 }
 
-/* A point that rests under a contact that slides: the unknowns are known, the forces what is left to it. */
-static double iterate_resting(Stroke *r, const Motion *m, const double *state, double *row, double *report) {
+/* A point that rests under a contact that slides: the unknowns are known, as plain ones, and so is
+   the force. */
+static double iterate_resting(Stroke *r, const Motion *m, const double *state, double *row,
+                              double *report) {
     Motion at = *m;
-    double force[2], holding[2], room = slips_about(r, m, state, m->watched, at.z, force, holding);
+    Force force;
+    double holding[2], room = slips_about(r, m, state, m->watched, at.z, &force, holding);
+    if (room == -INFINITY) return report[CORRECTION] = report[RESIDUAL] = NAN;
     settle_with(r, &at, state, force, row, report);
     row[MARGIN + RESTS] = room;
-    return isfinite(at.z[0]) && isfinite(room) ? 0.0 : NAN;
+    return 0.0;
 }
 
-static int evaluate_watched(Stroke *r, Motion *m, const double *state, double *row, double *report) {
+static int evaluate_watched(Stroke *r, Motion *m, const double *state, double *row,
+                            double *report) {
+    enum { FREE = 4, MOST = 12 };
     double best = INFINITY;
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < MOST; ++i) {
         double residual = iterate(r, m, state, m->z, row, report);
-        int pulls = slides(m) && !(report[NORMAL_FORCE] > 0.0);
-        if (m->rests || (residual <= FOUND && !pulls)) {
-            memcpy(m->z, row + UNKNOWN, sizeof m->z);
-            return isfinite(residual) ? 1 : UNSOLVED;
-        }
-        if (!(residual < (i < 4 ? INFINITY : best))) return UNSOLVED;
+        if (!(residual < (i < FREE ? INFINITY : best))) return UNSOLVED;
         best = residual;
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
+        int pulls = slides(m) && !(report[NORMAL_FORCE] > 0.0);
+        if (residual <= FOUND && !pulls) return 1;
     }
     return UNSOLVED;
 }
@@ -192,8 +240,7 @@ static int evaluate_watched(Stroke *r, Motion *m, const double *state, double *r
 static void unwatch(const Stroke *r, Motion *m, double *row) {
     if (m->watched < 0) return;
     if (!m->rests) {
-        Watched w;
-        watched_at(r, m, row, &w);
+        Watched w = watched_at(r, m, row, m->watched);
         Polar p = polar_at(m, &w, row + UNKNOWN);
         memcpy(row + UNKNOWN, p.z, sizeof p.z);
     }
@@ -202,131 +249,153 @@ static void unwatch(const Stroke *r, Motion *m, double *row) {
     m->rests = 0;
 }
 
-/* The point that moves least at a row of plain unknowns, and its speed in the velocity plane. */
-static int64_t least_moved(const Stroke *r, const Motion *m, const double *row, double *speed) {
+/* The point that moves least at a row of plain unknowns, if it is near to the centre of rotation. */
+static int64_t nearest_to(const Stroke *r, const Motion *m, const double *row) {
     Begun b;
     int64_t index = -1, count = count_of_points(r);
     begin(r, m, row, row + UNKNOWN, &b);
-    const double *v = b.twist, *n = b.matrix;
-    double least = INFINITY;
+    const double *v = b.twist;
+    double least = NEAR * NEAR * v[OMEGA] * v[OMEGA];
     for (int64_t k = 0; k < count; ++k) {
         const double *place = support(r, k) + ROW_GEOMETRY;
-        double x = v[0] - v[2] * place[1], y = v[1] + v[2] * place[0];
-        double wx = n[0] * x + n[2] * y, wy = n[1] * x + n[3] * y, square = wx * wx + wy * wy;
-        if (square < least) {
-            least = square;
-            index = k;
-        }
+        double w[2];
+        image_by(b.matrix, v[VX] - v[OMEGA] * place[Y], v[VY] + v[OMEGA] * place[X], w);
+        double square = w[X] * w[X] + w[Y] * w[Y];
+        if (square > least) continue;
+        least = square;
+        index = k;
     }
-    *speed = sqrt(least);
-    return least <= NEAR * NEAR * v[2] * v[2] ? index : -1;
+    return index;
 }
 
-/* Watches the point that moves least, if it is near to the centre of rotation, at a row of plain unknowns. */
-static void watch(Stroke *r, Motion *m, double *row) {
-    double speed, report[REPORT], found[ROW];
-    if (r->is_far || m->mode >= WEDGE_LEFT || is_held(m) || !count_of_points(r)) return;
-    int64_t index = least_moved(r, m, row, &speed);
-    if (index < 0) return;
-    Motion with = *m;
-    Watched w;
-    with.watched = index;
-    watched_at(r, &with, row, &w);
-    double x = w.still[0] + row[UNKNOWN] * w.by[0][0], y = w.still[1] + row[UNKNOWN] * w.by[0][1];
-    if (slides(m)) {
-        x += row[UNKNOWN + 1] * w.by[1][0];
-        y += row[UNKNOWN + 1] * w.by[1][1];
-        with.rests = speed <= RESTING && slips_about(r, m, row, index, with.z, found, found + 2) >= 0.0;
-        with.z[0] = with.rests ? with.z[0] : speed;
-        with.z[1] = with.rests ? with.z[1] : atan2(y, x);
-    } else {
-        double size = hypot(w.by[0][0], w.by[0][1]), bx = w.by[0][0] / size, by = w.by[0][1] / size;
-        double away = w.still[1] * bx - w.still[0] * by, along = x * bx + y * by;
-        if (fabs(away) <= RESTING && fabs(along) <= RESTING) {
-            /* it leaves the point to that side */
-            double later[2] = {row[0] + ASIDE * row[SLOPE], row[1] + ASIDE * row[SLOPE + 1]};
-            Watched next;
-            watched_at(r, &with, later, &next);
-            away = next.still[1] * next.by[0][0] - next.still[0] * next.by[0][1];
-            along = 0.0;
-        }
-        if (!(fabs(along) <= STEEP * fabs(away))) return;
-        with.side = copysign(1.0, away);
-        with.z[0] = atan2(along, fabs(away));
-        with.z[1] = 0.0;
+/* On which side of its line's foot a point moves, and at which angle; 0 where the balance is not
+   its own. Where it rests it leaves to the side that the motion takes it to. */
+static int begin_on_line(const Stroke *r, Motion *m, const double *row, const Watched *w) {
+    Line l = line_of(w);
+    double along = l.along + row[UNKNOWN + SPIN] * l.rate, away = l.away;
+    if (fabs(away) <= RESTING && fabs(along) <= RESTING) {
+        double later[STATE_SIZE] = {row[THETA], row[COORDINATE]};
+        add(later, row + SLOPE, ASIDE, STATE_SIZE);
+        Watched next = watched_at(r, m, later, m->watched);
+        away = line_of(&next).away;
+        along = 0.0;
     }
+    m->side = copysign(1.0, away);
+    m->z[FROM_NORMAL] = atan2(along, fabs(away));
+    return fabs(along) <= STEEP * fabs(away);
+}
+
+/* Size and direction of w, or that the point rests. */
+static void begin_in_plane(const Stroke *r, Motion *m, const double *row, const Watched *w) {
+    double image[2] = {w->still[X], w->still[Y]}, holding[2];
+    Force force;
+    add(image, w->by[SPIN], row[UNKNOWN + SPIN], 2);
+    add(image, w->by[SLIP], row[UNKNOWN + SLIP], 2);
+    double size = hypot(image[X], image[Y]);
+    m->rests = size <= RESTING
+               && slips_about(r, m, row, m->watched, m->z, &force, holding) >= 0.0;
+    if (m->rests) return;
+    m->z[SIZE] = size;
+    m->z[FACING] = atan2(image[Y], image[X]);
+}
+
+/* Watches the point that moves least, if it is near to the centre of rotation, at a row of plain
+   unknowns. */
+static void watch(Stroke *r, Motion *m, double *row) {
+    double report[REPORT], found[ROW];
+    if (r->is_far || place_of(m) == AT_WEDGE || is_held(m) || !count_of_points(r)) return;
+    Motion with = *m;
+    with.watched = nearest_to(r, m, row);
+    if (with.watched < 0) return;
+    Watched w = watched_at(r, m, row, with.watched);
+    if (slides(m)) begin_in_plane(r, &with, row, &w);
+    else if (!begin_on_line(r, &with, row, &w)) return;
     if (evaluate_watched(r, &with, row, found, report) < 0) return;
     *m = with;
     memcpy(row, found, sizeof found);
 }
 
-/* Whether a contact's friction still comes from the watched point at the end of a step. */
+/* Whether the balance is still the watched point's at the end of a step. */
 static int is_watchable(const Motion *m, const double *row) {
-    return slides(m) || cos(row[UNKNOWN]) > 0.5 / STEEP;
+    return slides(m) || cos(row[UNKNOWN + FROM_NORMAL]) > 0.5 / STEEP;
 }
 
 /* Whether a watched point is still the one to watch at a row. */
 static int stays_watched(const Stroke *r, const Motion *m, const double *row) {
-    double speed, plain[ROW];
+    double plain[ROW];
     Motion at = *m;
     memcpy(plain, row, sizeof plain);
     unwatch(r, &at, plain);
-    return least_moved(r, &at, plain, &speed) == m->watched && (slides(m) || fabs(tan(row[UNKNOWN])) <= STEEP);
+    if (nearest_to(r, &at, plain) != m->watched) return 0;
+    return slides(m) || fabs(tan(row[UNKNOWN + FROM_NORMAL])) <= STEEP;
 }
 
 /* Where the margin of a watched point is zero: it passes its rest, comes to rest, or sets out. */
 static int change_rest(Stroke *r, Motion *m, double *row) {
-    double report[REPORT];
+    double report[REPORT], holding[2], z[UNKNOWN_SIZE];
+    Force force;
     memcpy(m->z, row + UNKNOWN, sizeof m->z);
     if (!slides(m)) m->side = -m->side;
-    else if (m->rests) {
-        double z[2], force[2], holding[2];
-        slips_about(r, m, row, m->watched, z, force, holding);
+    else if (!m->rests) m->rests = 1;
+    else {
+        slips_about(r, m, row, m->watched, z, &force, holding);
         m->rests = 0;
-        m->z[0] = 0.0;
-        m->z[1] = atan2(holding[1], holding[0]);
-    } else m->rests = 1;
+        m->z[SIZE] = 0.0;
+        m->z[FACING] = atan2(holding[Y], holding[X]);
+    }
     m->has_tangent = m->has_reached = 0;
     return evaluate_watched(r, m, row, row, report);
 }
 
-/* What `slopes_at` needs at polar unknowns, which become plain ones: the friction of the watched point by its direction,
-   that of the others by their velocities. */
-static void friction_watched(Stroke *r, const Motion *m, const double *state, int all, double *unknown, Begun *b,
-                             double *wrench, double *by_law, double *by_shares) {
-    const Pressure *pressure = &r->object->pressure;
-    Watched w;
-    watched_at(r, m, state, &w);
-    Polar p = polar_at(m, &w, unknown);
-    memcpy(unknown, p.z, sizeof p.z);
-    begin(r, m, state, unknown, b);
-    const double *n = b->matrix, *place = w.row + ROW_GEOMETRY, det = n[0] * n[3] - n[1] * n[2];
-    double own[3], turning[3], mu_a = hypot(n[0], n[2]), mu_b = hypot(n[1], n[3]);
-    double speed = copysign(fmax(fabs(p.speed), LEAST_SPEED), p.speed);
-    friction_without(pressure, b->twist, n, &r->is_far, w.row, wrench);
-    friction_by_law(pressure, b->twist, n, r->is_far, !all, w.row, by_law);
-    if (all) friction_by_shares(pressure, b->twist, n, r->is_far, w.row, by_shares);
-    own_wrench(&w, p.u, own);
-    own_wrench(&w, p.turning, turning);
-    /* how the direction turns, by the twist */
-    const double *t = p.turning;
-    double by[3] = {t[0] * n[0] + t[1] * n[1], t[0] * n[2] + t[1] * n[3]};
-    by[2] = place[0] * by[1] - place[1] * by[0];
-    const int at[6][2] = {{0, 0}, {0, 1}, {1, 1}, {0, 2}, {1, 2}, {2, 2}};
-    add(wrench, own, 1.0, 3);
-    for (int k = 0; k < 6; ++k) wrench[3 + k] += turning[at[k][0]] * by[at[k][1]] / speed;
-    /* by mu_a, mu_b and alpha: M^T moves, and so does the direction of M v */
-    const double toward[3][4] = {{n[0] / mu_a, 0.0, n[2] / mu_a, 0.0},
-                                 {0.0, n[1] / mu_b, 0.0, n[3] / mu_b},
-                                 {-n[2], -n[3], n[0], n[1]}};
-    const double vx = (n[3] * p.u[0] - n[2] * p.u[1]) / det, vy = (n[0] * p.u[1] - n[1] * p.u[0]) / det;
+/* How the point's friction goes with the twist (added to a Hessian) and with the law (added to
+   columns by mu_a, mu_b and alpha; not all: by alpha alone): M^T moves, and so does the direction
+   of M v. */
+static void own_varies(const Watched *w, const Polar *p, int all, double *friction, double *by_law) {
+    const double *m = w->begun.matrix, *u = p->u, *t = p->turning, *place = w->row + ROW_GEOMETRY;
+    double turning[WRENCH], det = m[M_XX] * m[M_YY] - m[M_YX] * m[M_XY];
+    double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
+    own_wrench(w, t, turning);
+    double size = w->load * copysign(fmax(fabs(p->size), LEAST_SIZE), p->size);
+    const double hessian[FRICTION_SIZE] = {
+        [XX] = turning[FORCE_X] * turning[FORCE_X] / size,
+        [XY] = turning[FORCE_X] * turning[FORCE_Y] / size,
+        [YY] = turning[FORCE_Y] * turning[FORCE_Y] / size,
+        [XW] = turning[FORCE_X] * turning[TORQUE] / size,
+        [YW] = turning[FORCE_Y] * turning[TORQUE] / size,
+        [WW] = turning[TORQUE] * turning[TORQUE] / size,
+    };
+    add(friction, hessian, 1.0, FRICTION_SIZE);
+    /* velocity over the size of w */
+    double vx = (m[M_YY] * u[X] - m[M_XY] * u[Y]) / det, vy = (m[M_XX] * u[Y] - m[M_YX] * u[X]) / det;
+    const double toward[3][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
+                                           {[M_YX] = m[M_YX] / mu_b, [M_YY] = m[M_YY] / mu_b},
+                                           {-m[M_XY], -m[M_YY], m[M_XX], m[M_YX]}};
     for (int k = all ? 0 : 2; k < 3; ++k) {
         const double *d = toward[k];
-        double turns = t[0] * (d[0] * vx + d[2] * vy) + t[1] * (d[1] * vx + d[3] * vy);
-        double fx = w.load * (d[0] * p.u[0] + d[1] * p.u[1]), fy = w.load * (d[2] * p.u[0] + d[3] * p.u[1]);
-        const double moved[3] = {fx + turns * turning[0], fy + turns * turning[1],
-                                 place[0] * fy - place[1] * fx + turns * turning[2]};
-        add(by_law + 3 * k, moved, 1.0, 3);
+        double image[2], fx = w->load * (d[M_XX] * u[X] + d[M_YX] * u[Y]);
+        double fy = w->load * (d[M_XY] * u[X] + d[M_YY] * u[Y]);
+        image_by(d, vx, vy, image);
+        const double moved[WRENCH] = {fx, fy, place[X] * fy - place[Y] * fx};
+        add(by_law + WRENCH * k, moved, 1.0, WRENCH);
+        add(by_law + WRENCH * k, turning, t[X] * image[X] + t[Y] * image[Y], WRENCH);
     }
-    if (all && part_of_points(r) == CORNERS) add(by_shares + 3 * (CORNERS - 1), own, 1.0 / pressure->load[CORNERS], 3);
+}
+
+/* What derivatives need at polar unknowns, which become plain ones: the friction of the watched
+   point by its direction, that of the others by their velocities. */
+static void friction_watched(Stroke *r, const Motion *m, const double *state, int all,
+                             double *unknown, Begun *b, double *friction, double *by_law,
+                             double *by_pressure) {
+    Watched w = watched_at(r, m, state, m->watched);
+    double own[WRENCH];
+    Polar p = polar_at(m, &w, unknown);
+    memcpy(unknown, p.z, sizeof p.z);
+    friction_about(r, state, &w, p.z, slides(m), b, friction);
+    friction_varies(r, state, b, all, w.row, by_law, by_pressure);
+    own_wrench(&w, p.u, own);
+    add(friction, own, 1.0, WRENCH);
+    own_varies(&w, &p, all, friction, by_law);
+    int share = SHARE_OF_PART[part_of_points(r)];
+    if (all && share >= 0)
+        add(by_pressure + WRENCH * share, own, 1.0 / r->object->pressure.load[part_of_points(r)], WRENCH);
 }

@@ -1,17 +1,17 @@
 /* Runge-Kutta steps of a motion, and how their ends vary.
 
-   All stages of a step are solved by a Newton iteration each: from the tangent at its start and what earlier stages bend
-   off it, on support points from the nearest stage. The last corrections tell whether they converged; where they did
-   not, the step is made again from there, or stage by stage until certain. */
+   All stages of a step are solved by a Newton iteration each: from the tangent at its start and
+   what earlier stages bend off it; a second one where the first corrects much. The last corrections
+   tell whether they converged; where they did not, the step is made again from there, or stage by
+   stage until certain. */
 
-/* A step counts when what Newton's last correction leaves, about its square, is off by this share of its tolerance over
-   its length; over support points by this share of the correction, since friction bends the more abruptly the slower one
-   of them is. It is made again this often at most. */
-static const double LEFT_OVER = 0.05, AT_POINTS = 1.0;
+/* A step counts when what Newton's last correction leaves, about its square, is off by this share
+   of its tolerance over its length. It is made again this often at most, and as long as corrections
+   become that much smaller each time. */
+static const double LEFT_OVER = 0.05, HOPELESS = 0.3;
 enum { AGAIN = 3 };
-/* and not again where corrections have not become that much smaller. */
-static const double HOPELESS = 0.3;
-/* The share of the rough estimate (generate.py) that counts, and the bounds of the next step's length. */
+/* The share of the rough estimate (generate.py) that counts, and the bounds of the next step's
+   length. */
 static const double LEAST_SHARE = 0.3, SAFETY = 0.8, SHRINK = 0.2, GROW = 4.0;
 /* Steps no longer than this are taken even where a margin is broken on them. */
 static const double LEAST_ADVANCE = 1e-9;
@@ -19,65 +19,72 @@ static const double LEAST_ADVANCE = 1e-9;
 static const double DIFFERENCE = 1e-6;
 /* Corrections, about whose square unknowns are off afterwards, that leave nothing to correct. */
 static const double SOLVED = 1e-7;
-/* Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved first. */
+/* Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved
+   first. */
 static const double UNSOLVED_MIDDLE = 1e-5;
 
 typedef struct { double h, error, correction, rows[STAGES + 1][ROW]; } Step;
 
-/* Derivatives by `count` parameters, by columns (2): of the state; and of the motion's own parameters VARIED and SHARES
+/* Derivatives by `count` parameters, by columns: of the state; and of the motion's own SOURCES
    (rows) by each of them (columns). */
-enum { SOURCES = VARIED + SHARES };
-struct Variation { int count; double state[2 * MOST_VARIED], source[SOURCES][MOST_VARIED]; };
+struct Variation {
+    int count;
+    double state[STATE_SIZE * MOST_VARIED], source[SOURCES][MOST_VARIED];
+};
 typedef struct Variation Variation;
+/* Columns of derivatives of the rates: by the state, then by what comes after it. */
+enum { BY_STATE = STATE_SIZE * STATE_SIZE, RATES = STATE_SIZE * (STATE_SIZE + MOST_VARIED) };
 
-/* Derivatives of a motion's rates at a row (2, 2 + SOURCES or 3), by columns; of its unknowns by the state; returns what
-   a Newton iteration would correct of these. */
-static double slopes_at(Stroke *r, const Motion *m, const double *state, const double *z, int all, double *by,
-                        double *toward) {
+/* Derivatives of a motion's rates at a row (by columns: by the state and all SOURCES, or the
+   first); of its unknowns by the state; returns what a Newton iteration would correct of these. */
+static double slopes_at(Stroke *r, const Motion *m, const double *state, const double *z, int all,
+                        double *by, double *toward) {
     Begun b;
-    double wrench[9], by_law[9], by_shares[9] = {0.0}, correction;
-    const Pressure *pressure = &r->object->pressure;
-    double plain[2] = {z[0], z[1]};
-    if (m->watched >= 0) friction_watched(r, m, state, all, plain, &b, wrench, by_law, by_shares);
+    double friction[FRICTION_SIZE], by_law[3 * WRENCH], by_pressure[WRENCH * SHARES] = {0.0};
+    double correction;
+    double plain[UNKNOWN_SIZE];
+    memcpy(plain, z, sizeof plain);
+    if (m->watched >= 0)
+        friction_watched(r, m, state, all, plain, &b, friction, by_law, by_pressure);
     else {
         begin(r, m, state, z, &b);
-        friction_at(pressure, b.twist, b.matrix, &r->is_far, wrench);
-        friction_by_law(pressure, b.twist, b.matrix, r->is_far, !all, 0, by_law);
-        if (all) friction_by_shares(pressure, b.twist, b.matrix, r->is_far, 0, by_shares);
+        friction_on(r, state, &b, &r->is_far, 0, friction);
+        friction_varies(r, state, &b, all, 0, by_law, by_pressure);
     }
-    z = plain;
-    const double *given[] = {state, m->p, z, wrench, by_law, by_shares};
+    const double *given[] = {state, m->p, plain, friction, by_law, by_pressure};
     double *results[] = {by, toward, &correction};
     (all ? ALL_SLOPES : SLOPES)[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
     return correction;
 }
 
-/* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's method corrects them
-   beside it. */
+/* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's method
+   corrects them beside it. */
 static void tangents_aside(Stroke *r, const Motion *m, const double *row, double *toward) {
-    int n = unknowns(m), has_coordinate = m->mode < RING;
+    int n = unknowns(m), moves = place_of(m) == AT_OUTLINE ? STATE_SIZE : 1;
     double beside[ROW], report[REPORT];
-    memset(toward, 0, 4 * sizeof(double));
-    for (int j = 0; j < 1 + has_coordinate && !m->rests; ++j) {
-        double state[2] = {row[0], row[1]};
+    memset(toward, 0, UNKNOWN_SIZE * STATE_SIZE * sizeof(double));
+    for (int j = 0; j < moves && !m->rests; ++j) {
+        double state[STATE_SIZE] = {row[THETA], row[COORDINATE]};
         state[j] += ASIDE;
         iterate(r, m, state, row + UNKNOWN, beside, report);
-        for (int k = 0; k < n; ++k) toward[n * j + k] = (beside[UNKNOWN + k] - row[UNKNOWN + k]) / ASIDE;
+        for (int k = 0; k < n; ++k)
+            toward[n * j + k] = (beside[UNKNOWN + k] - row[UNKNOWN + k]) / ASIDE;
     }
 }
 
 /* Where stage i of a step lies. */
 static void place_stage(const Step *taken, const double *state, double h, int i, double *at) {
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < STATE_SIZE; ++k) {
         at[k] = state[k];
-        for (int j = 0; j < i; ++j) at[k] += h * (i < STAGES ? A[i][j] : B[j]) * taken->rows[j][SLOPE + k];
+        for (int j = 0; j < i; ++j)
+            at[k] += h * (i < STAGES ? A[i][j] : B[j]) * taken->rows[j][SLOPE + k];
     }
 }
 
 static void estimate_error(Step *taken, double h) {
     taken->h = h;
     taken->error = 0.0;
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < STATE_SIZE; ++k) {
         double error = 0.0, rough = 0.0;
         for (int i = 0; i <= STAGES; ++i) {
             error += ERROR[i] * taken->rows[i][SLOPE + k];
@@ -92,31 +99,32 @@ static void estimate_error(Step *taken, double h) {
     }
 }
 
-/* A step from a row with its contacts corrected once a stage; whether they count as solved. again: from the unknowns it
-   has. */
+/* A step from a row with its contacts corrected once a stage; whether they count as solved. again:
+   from the unknowns it has. */
 static int certified(Stroke *r, Motion *m, int again, const double *start, double h, Step *taken) {
-    int n = unknowns(m), points = is_points(r), smooth = 1;
-    double bend[STAGES + 1][2], at[2], z[2], report[REPORT], correction = 0.0, tolerance = r->object->tolerance;
+    int n = unknowns(m);
+    double bend[STAGES + 1][UNKNOWN_SIZE], at[STATE_SIZE], z[UNKNOWN_SIZE], report[REPORT];
+    double correction = 0.0, tolerance = r->object->tolerance;
     /* around a corner a slip turns the contact the faster the thinner the rod */
     double slow = kind_of(r, m) == KIND_CORNER ? fmin(r->object->radius, 1.0) : 1.0;
-    double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance * slow / h);
+    double allowed = sqrt(LEFT_OVER * tolerance * slow / h);
     /* the tangent at the start is kept: a step that is too long starts again there */
-    double by[6];
-    if (m->watched >= 0) smooth = 1;
+    double by[BY_STATE + STATE_SIZE];
     if (!m->has_tangent && m->watched >= 0) tangents_aside(r, m, start, m->toward);
     else if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
     m->has_tangent = 1;
     memcpy(taken->rows[0], start, sizeof taken->rows[0]);
     for (int i = 1; i <= STAGES; ++i) {
-        double *row = taken->rows[i], tangent[2];
+        double *row = taken->rows[i], tangent[UNKNOWN_SIZE];
         place_stage(taken, start, h, i, at);
         if (again) memcpy(z, row + UNKNOWN, sizeof z);
         else {
-            const double *from = taken->rows[smooth ? 0 : NEAREST_STAGE[i]];
             for (int k = 0; k < n; ++k) {
-                tangent[k] = from[UNKNOWN + k] + m->toward[k] * (at[0] - from[0]) + m->toward[n + k] * (at[1] - from[1]);
+                const double *toward = m->toward + k;
+                tangent[k] = start[UNKNOWN + k] + toward[n * THETA] * (at[THETA] - start[THETA])
+                             + toward[n * COORDINATE] * (at[COORDINATE] - start[COORDINATE]);
                 z[k] = tangent[k];
-                for (int j = 1; smooth && j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
+                for (int j = 1; j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
             }
         }
         iterate(r, m, at, z, row, report);
@@ -139,7 +147,7 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
 static int sure_step(Stroke *r, Motion *m, const double *start, double h, Step *taken) {
     memcpy(taken->rows[0], start, sizeof taken->rows[0]);
     for (int i = 1; i <= STAGES; ++i) {
-        double at[2], report[REPORT];
+        double at[STATE_SIZE], report[REPORT];
         place_stage(taken, start, h, i, at);
         int found = evaluate(r, m, at, taken->rows[i], report);
         if (found < 0) return found;
@@ -148,9 +156,11 @@ static int sure_step(Stroke *r, Motion *m, const double *start, double h, Step *
     return 1;
 }
 
-/* A step of length h from a row: 1; 0 where a shorter one is called for; or why there is none. fast: certified or not at all. */
+/* A step of length h from a row: 1; 0 where a shorter one is called for; or why there is none.
+   fast: certified or not at all. */
 static int attempt(Stroke *r, Motion *m, const double *start, double h, int fast, Step *taken) {
-    double z[2] = {m->z[0], m->z[1]};
+    double z[UNKNOWN_SIZE];
+    memcpy(z, m->z, sizeof z);
     if (is_held(m)) return sure_step(r, m, start, h, taken);
     double before = INFINITY;
     for (int k = 0; k <= AGAIN && (k == 0 || taken->correction < HOPELESS * before); ++k) {
@@ -164,8 +174,8 @@ static int attempt(Stroke *r, Motion *m, const double *start, double h, int fast
     return 0;
 }
 
-/* The length at which the error should just meet the tolerance; to eight binary digits, downwards: else it would follow
-   the rounding of an error that is itself a difference. */
+/* The length at which the error should just meet the tolerance; to eight binary digits, downwards:
+   else it would follow the rounding of an error that is itself a difference. */
 static double next_length(double h, double error, double tolerance) {
     int exponent;
     if (!isfinite(error)) return h * SHRINK;
@@ -175,31 +185,37 @@ static double next_length(double h, double error, double tolerance) {
 }
 
 /* The same by differences, where a support point stands still. */
-static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources, double *slopes) {
-    for (int j = 0; j < 2 + (sources < VARIED ? sources : VARIED); ++j)
+static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources,
+                                 double *slopes) {
+    for (int j = 0; j < STATE_SIZE + (sources < VARIED ? sources : VARIED); ++j)
         for (int side = -1; side <= 1; side += 2) {
             Motion moved = *m;
-            double state[] = {row[0], row[1]}, found[ROW], report[REPORT];
+            double state[] = {row[THETA], row[COORDINATE]}, found[ROW], report[REPORT];
             memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
-            *(j < 2 ? state + j : moved.p + VARIED_AT[j - 2]) += side * DIFFERENCE;
+            double *at = j < STATE_SIZE ? state + j : moved.p + VARIED_AT[j - STATE_SIZE];
+            *at += side * DIFFERENCE;
             face(&moved);
             if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
-            for (int c = 0; c < 2; ++c) slopes[2 * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
+            for (int c = 0; c < STATE_SIZE; ++c)
+                slopes[STATE_SIZE * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
         }
     return 1;
 }
 
-/* Derivatives of the rates at a row that a variation needs (2, 2 + count): by the state, and by its parameters. */
+/* Derivatives of the rates at a row that a variation needs (2, 2 + count): by the state, and by its
+   parameters. */
 static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *by) {
-    double slopes[2 * (2 + SOURCES)] = {0.0}, report[REPORT], other[4], *toward = is_middle ? other : m->toward;
+    double slopes[STATE_SIZE * (STATE_SIZE + SOURCES)] = {0.0}, report[REPORT];
+    double other[UNKNOWN_SIZE * STATE_SIZE], *toward = is_middle ? other : m->toward;
     const Variation *v = r->varied;
     int all = v->count > 1, sources = all ? SOURCES : 1;
-    memset(by, 0, 2 * (2 + v->count) * sizeof(double));
+    memset(by, 0, STATE_SIZE * (STATE_SIZE + v->count) * sizeof(double));
     if (is_held(m)) return 1;
     Motion with = *m;
     /* a ring without friction is differentiated by it in the sense in which the object turns */
     if (all && m->mode == RING) with.mode = row[SLOPE] < 0.0 ? RING_RIGHT : RING_LEFT;
-    double correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
+    double correction = 0.0;
+    if (!m->rests) correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
     m->has_tangent = !is_middle && with.mode == m->mode && m->watched < 0;
     if ((m->watched < 0 && is_kinked(r, m, row)) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
@@ -210,11 +226,13 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
         memset(slopes, 0, sizeof slopes);
         if (slopes_by_differences(r, m, row, sources, slopes) < 0) return UNSOLVED;
     }
-    memcpy(by, slopes, 4 * sizeof(double));
+    memcpy(by, slopes, BY_STATE * sizeof(double));
     for (int j = 0; j < sources; ++j) {
-        double sense = VARIED_AT[j < VARIED ? j : 0] == SMU && SIGN[with.mode] < 0.0 ? -1.0 : 1.0;
+        double sense = j == SOURCE_SMU && SIGN[with.mode] < 0.0 ? -1.0 : 1.0;
         for (int k = 0; k < v->count; ++k)
-            for (int c = 0; c < 2; ++c) by[4 + 2 * k + c] += sense * slopes[4 + 2 * j + c] * v->source[j][k];
+            for (int c = 0; c < STATE_SIZE; ++c)
+                by[BY_STATE + STATE_SIZE * k + c] +=
+                    sense * slopes[BY_STATE + STATE_SIZE * j + c] * v->source[j][k];
     }
     return 1;
 }
@@ -222,48 +240,64 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
 /* The middle of a step, as far as its stages tell. */
 static void middle_of(const Step *taken, double *row) {
     memset(row, 0, ROW * sizeof(double));
-    for (int c = 0; c < 2; ++c) {
-        row[c] = taken->rows[0][c];
-        for (int i = 0; i <= STAGES; ++i) {
-            row[c] += taken->h * MIDDLE_STATE[i] * taken->rows[i][SLOPE + c];
-            row[SLOPE + c] += MIDDLE_VALUE[i] * taken->rows[i][SLOPE + c];
-            row[UNKNOWN + c] += MIDDLE_VALUE[i] * taken->rows[i][UNKNOWN + c];
+    memcpy(row, taken->rows, STATE_SIZE * sizeof(double));
+    for (int i = 0; i <= STAGES; ++i) {
+        const double *stage = taken->rows[i];
+        for (int c = 0; c < STATE_SIZE; ++c) {
+            row[c] += taken->h * MIDDLE_STATE[i] * stage[SLOPE + c];
+            row[SLOPE + c] += MIDDLE_VALUE[i] * stage[SLOPE + c];
         }
+        for (int k = 0; k < UNKNOWN_SIZE; ++k)
+            row[UNKNOWN + k] += MIDDLE_VALUE[i] * stage[UNKNOWN + k];
     }
 }
 
-/* Carries the variation over a step: of v' = J v + g, v1 = v0 + h/6 (f0 + 4 fm + f1), vm = (v0 + v1)/2 + h/8 (f0 - f1),
-   solved for v1 (Lobatto's method IIIA of order 4; Hairer & Wanner 1996, IV.5). */
+/* Carries the variation over a step: of v' = J v + g, v1 = v0 + h/6 (f0 + 4 fm + f1), vm = (v0 +
+   v1)/2 + h/8 (f0 - f1), solved for v1 (Lobatto's method IIIA of order 4; Hairer & Wanner 1996,
+   IV.5). */
 static int vary_step(Stroke *r, Motion *m, const Step *taken) {
     Variation *v = r->varied;
-    double row[ROW], start[2 * (2 + MOST_VARIED)], mid[2 * (2 + MOST_VARIED)], end[2 * (2 + MOST_VARIED)], h = taken->h;
+    double row[ROW], start[RATES], mid[RATES], end[RATES], h = taken->h;
     Motion between = *m;
-    size_t size = 2 * (2 + v->count) * sizeof(double);
+    size_t size = STATE_SIZE * (STATE_SIZE + v->count) * sizeof(double);
     if (m->has_reached) memcpy(start, m->reached, size);
-    else if (rates_vary(r, &between, memcpy(row, taken->rows[0], sizeof row), 0, start) < 0) return UNSOLVED;
+    else {
+        memcpy(row, taken->rows[0], sizeof row);
+        if (rates_vary(r, &between, row, 0, start) < 0) return UNSOLVED;
+    }
     middle_of(taken, row);
     if (rates_vary(r, &between, row, 1, mid) < 0) return UNSOLVED;
-    if (rates_vary(r, m, memcpy(row, taken->rows[STAGES], sizeof row), 0, end) < 0) return UNSOLVED;
+    memcpy(row, taken->rows[STAGES], sizeof row);
+    if (rates_vary(r, m, row, 0, end) < 0) return UNSOLVED;
     memcpy(m->reached, end, size);
     m->has_reached = 1;
-    double own[2][2];
-    for (int c = 0; c < 2; ++c)
-        for (int k = 0; k < 2; ++k) {
-            own[c][k] = (c == k) - h / 6.0 * (end[2 * k + c] + 2.0 * mid[2 * k + c]);
-            for (int j = 0; j < 2; ++j) own[c][k] += h * h / 12.0 * mid[2 * j + c] * end[2 * k + j];
+    double own[STATE_SIZE][STATE_SIZE];
+    for (int c = 0; c < STATE_SIZE; ++c)
+        for (int k = 0; k < STATE_SIZE; ++k) {
+            own[c][k] = (c == k) - h / 6.0 * (end[STATE_SIZE * k + c]
+                                              + 2.0 * mid[STATE_SIZE * k + c]);
+            for (int j = 0; j < STATE_SIZE; ++j)
+                own[c][k] += h * h / 12.0 * mid[STATE_SIZE * j + c] * end[STATE_SIZE * k + j];
         }
-    double whole = own[0][0] * own[1][1] - own[0][1] * own[1][0];
+    const double *first = own[THETA], *second = own[COORDINATE];
+    double whole = first[THETA] * second[COORDINATE] - first[COORDINATE] * second[THETA];
     for (int i = 0; i < v->count; ++i) {
-        double *w = v->state + 2 * i, rest[2], at_start[2];
-        const double *later = end + 4 + 2 * i, *given = mid + 4 + 2 * i;
-        for (int c = 0; c < 2; ++c) at_start[c] = start[c] * w[0] + start[2 + c] * w[1] + start[4 + 2 * i + c];
-        for (int c = 0; c < 2; ++c) {
+        double *w = v->state + STATE_SIZE * i, rest[STATE_SIZE], at_start[STATE_SIZE];
+        const double *sooner = start + BY_STATE + STATE_SIZE * i;
+        const double *given = mid + BY_STATE + STATE_SIZE * i;
+        const double *later = end + BY_STATE + STATE_SIZE * i;
+        for (int c = 0; c < STATE_SIZE; ++c)
+            at_start[c] = start[STATE_SIZE * THETA + c] * w[THETA]
+                          + start[STATE_SIZE * COORDINATE + c] * w[COORDINATE] + sooner[c];
+        for (int c = 0; c < STATE_SIZE; ++c) {
             rest[c] = w[c] + h / 6.0 * (at_start[c] + 4.0 * given[c] + later[c]);
-            for (int k = 0; k < 2; ++k)
-                rest[c] += h * mid[2 * k + c] * (w[k] / 3.0 + h / 12.0 * (at_start[k] - later[k]));
+            for (int k = 0; k < STATE_SIZE; ++k)
+                rest[c] += h * mid[STATE_SIZE * k + c]
+                    * (w[k] / 3.0 + h / 12.0 * (at_start[k] - later[k]));
         }
-        w[0] = (rest[0] * own[1][1] - own[0][1] * rest[1]) / whole;
-        w[1] = (own[0][0] * rest[1] - own[1][0] * rest[0]) / whole;
+        w[THETA] = (rest[THETA] * second[COORDINATE]
+                    - first[COORDINATE] * rest[COORDINATE]) / whole;
+        w[COORDINATE] = (first[THETA] * rest[COORDINATE] - second[THETA] * rest[THETA]) / whole;
     }
     return 1;
 }

@@ -6,43 +6,49 @@ static const double REVERSED = 1e-3;
 static const double FIRST_PUSH_STEP = 0.07, FIRST_DRAG_STEP = 0.12;
 /* A leg of a drag this short, extents, is none. */
 static const double NO_LEG = 1e-12;
-/* Spins in the ring (rad per extent of travel) against the sense of its friction that count as none. */
+/* Spins in the ring (rad per extent of travel) against the sense of its friction that count as
+   none. */
 static const double TURNS_BACK = 1e-3;
 enum { MOST_PHASES = 10000 };
 
 /* Approach and motion along the outline of a rod that travels by one, and the curve's metric. */
-static void touch_of(const Stroke *r, const Motion *m, const double *state, double *touch) {
+typedef struct { double approach, along, metric; } Touch;
+
+static Touch touch_of(const Stroke *r, const Motion *m, const double *state) {
     Begun b;
     begin(r, m, state, m->z, &b);
-    memcpy(touch, b.frame + 7, 3 * sizeof(double));
+    return (Touch){b.frame[FRAME_APPROACH], b.frame[FRAME_ALONG], b.frame[FRAME_METRIC]};
 }
 
 /* Slides from a motion that sticks, with the unknowns of the same twist. */
 static Motion sliding(const Stroke *r, const Motion *m, const double *state, int mode) {
-    double touch[3];
-    touch_of(r, m, state, touch);
-    double approach = fmax(touch[0], 1e-6);
-    return motion_of(r, r->friction == 0.0 ? SLIDE_FREE : mode, m->piece, m->z[0] / approach, touch[1] / approach);
+    Touch touch = touch_of(r, m, state);
+    double approach = fmax(touch.approach, 1e-6);
+    int slide = r->friction == 0.0 ? SLIDE_FREE : mode;
+    return motion_of(r, slide, m->piece, m->z[SPIN] / approach, touch.along / approach);
 }
 
-/* The motion on the other side of a broken margin. A rod that stops sliding sticks; but where a support point stands
-   still, the slip may reverse at once: the force that sticking needs is then far outside the cone. */
+/* The motion on the other side of a broken margin. A rod that stops sliding sticks; but where a
+   support point stands still, the slip may reverse at once: the force that sticking needs is then
+   far outside the cone. */
 static int other_mode(Stroke *r, Motion *m, const double *state, int broken) {
-    double touch[3], row[ROW], report[REPORT];
+    double row[ROW], report[REPORT];
     if (!slides(m)) {
         *m = sliding(r, m, state, broken == FIRST ? SLIDE_LEFT : SLIDE_RIGHT);
         return 1;
     }
     int reversed = m->mode == SLIDE_LEFT ? SLIDE_RIGHT : SLIDE_LEFT;
-    touch_of(r, m, state, touch);
-    *m = motion_of(r, STICK, m->piece, touch[0] * m->z[0], 0.0);
+    Touch touch = touch_of(r, m, state);
+    *m = motion_of(r, STICK, m->piece, touch.approach * m->z[SPIN], 0.0);
     int found = evaluate(r, m, state, row, report);
     if (found < 0) return found;
-    if (count_of_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED) *m = sliding(r, m, state, reversed);
+    if (count_of_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED)
+        *m = sliding(r, m, state, reversed);
     return 1;
 }
 
-/* Sticks if the force that sticking needs lies in the friction cone, else slides the way it points. */
+/* Sticks if the force that sticking needs lies in the friction cone, else slides the way it
+   points. */
 static int first_motion(Stroke *r, Motion *m, const double *state) {
     double row[ROW], report[REPORT];
     *m = motion_of(r, STICK, m->piece, 0.0, 0.0);
@@ -54,87 +60,103 @@ static int first_motion(Stroke *r, Motion *m, const double *state) {
     return other_mode(r, m, state, first < second ? FIRST : SECOND);
 }
 
-/* How much later the variation comes to the end of a piece, at which a motion is at this row. A point that has just come
-   to rest there leaves when its force comes to the cone's edge: its rate along the side is zero there, and changes sign;
-   what starts beside the end leaves later by a root. */
+/* How much later the variation comes to the end of a piece, at which a motion is at this row. A
+   point that has just come to rest there leaves when its force comes to the cone's edge: its rate
+   along the side is zero there, and changes sign; what starts beside the end leaves later by a
+   root. */
 static int delays(Stroke *r, Motion *m, const double *row, double *later) {
-    double at[ROW], by[2 * (2 + MOST_VARIED)];
-    int rests = fabs(row[SLOPE + 1]) <= AT_REST;
-    if (rests && rates_vary(r, m, memcpy(at, row, sizeof at), 0, by) < 0) return UNSOLVED;
+    double at[ROW], by[RATES], rate = row[SLOPE + COORDINATE], spin = row[SLOPE + THETA];
+    int rests = fabs(rate) <= AT_REST;
+    memcpy(at, row, sizeof at);
+    if (rests && rates_vary(r, m, at, 0, by) < 0) return UNSOLVED;
     for (int i = 0; i < r->varied->count; ++i) {
-        const double *w = r->varied->state + 2 * i;
-        if (!rests) later[i] = -w[1] / row[SLOPE + 1];
-        else later[i] = w[1] != 0.0 ? NAN : -(by[1] * w[0] + by[5 + 2 * i]) / (by[1] * row[SLOPE]);
+        const double *w = r->varied->state + STATE_SIZE * i;
+        if (!rests) {
+            later[i] = -w[COORDINATE] / rate;
+            continue;
+        }
+        double by_theta = by[STATE_SIZE * THETA + COORDINATE];
+        double given = by[BY_STATE + STATE_SIZE * i + COORDINATE];
+        later[i] = w[COORDINATE] != 0.0 ? NAN : -(by_theta * w[THETA] + given) / (by_theta * spin);
     }
     return 1;
 }
 
-/* Takes another motion at a state; where rates jump, it counts how much later the variation comes there; the coordinate
-   goes on by `ratio`. */
-static int change_motion(Stroke *r, Motion *m, Motion following, const double *end, const double *state, double ratio) {
+/* Takes another motion at a state; where rates jump, it counts how much later the variation comes
+   there; the coordinate goes on by `ratio`. */
+static int change_motion(Stroke *r, Motion *m, Motion following, const double *end,
+                         const double *state, double ratio) {
     double row[ROW], report[REPORT], later[MOST_VARIED];
     int found = r->varied ? delays(r, m, end, later) : NOTHING;
     *m = following;
     if (!r->varied) return NOTHING;
     if (found < 0 || (found = evaluate(r, m, state, row, report)) < 0) return found;
     for (int i = 0; i < r->varied->count; ++i) {
-        double *w = r->varied->state + 2 * i;
-        w[0] += (end[SLOPE] - row[SLOPE]) * later[i];
-        w[1] = w[1] * ratio + (end[SLOPE + 1] * ratio - row[SLOPE + 1]) * later[i];
+        double *w = r->varied->state + STATE_SIZE * i;
+        const double *before = end + SLOPE, *after = row + SLOPE;
+        w[THETA] += (before[THETA] - after[THETA]) * later[i];
+        w[COORDINATE] =
+            w[COORDINATE] * ratio + (before[COORDINATE] * ratio - after[COORDINATE]) * later[i];
     }
     return NOTHING;
 }
 
-/* Whether a rod in a wedge that keeps the contact of one piece alone moves away along it; then with that motion. */
+/* Whether a rod in a wedge that keeps the contact of one piece alone moves away along it; then with
+   that motion. */
 static int leaves_along(Stroke *r, Motion *m, int piece, int forward, double theta) {
     const double *at = piece_of(r, piece);
-    double state[] = {theta, at[forward ? PIECE_LOW : PIECE_HIGH]}, row[ROW], report[REPORT], touch[3];
+    double state[] = {theta, at[forward ? PIECE_LOW : PIECE_HIGH]}, row[ROW], report[REPORT];
     *m = motion_of(r, STICK, piece, 0.0, 0.0);
-    touch_of(r, m, state, touch);
-    if (touch[0] <= 0.0 || first_motion(r, m, state) < 0) return 0;
+    if (touch_of(r, m, state).approach <= 0.0 || first_motion(r, m, state) < 0) return 0;
     /* at a vertex a point that sticks to one side sticks to both */
     if (r->object->radius == 0.0 && m->mode == STICK) return 0;
     if (evaluate(r, m, state, row, report) < 0) return 0;
-    return report[NORMAL_FORCE] >= 0.0 && (forward ? row[SLOPE + 1] > 0.0 : row[SLOPE + 1] < 0.0);
+    double rate = row[SLOPE + COORDINATE];
+    return report[NORMAL_FORCE] >= 0.0 && (forward ? rate > 0.0 : rate < 0.0);
 }
 
-/* Whether the object turns about a rod in a wedge in a sense, against the friction of both contacts. */
+/* Whether the object turns about a rod in a wedge in a sense, against the friction of both
+   contacts. */
 static int turns_about(Stroke *r, Motion *m, int wedge, int mode, double theta) {
-    double state[] = {theta, 0.0}, still[2] = {0.0, 0.0}, row[ROW], report[REPORT];
+    double state[] = {theta, 0.0}, still[UNKNOWN_SIZE] = {0.0}, row[ROW], report[REPORT];
     *m = motion_of(r, mode, wedge, 0.0, 0.0);
     iterate(r, m, state, still, row, report);
     if (r->object->radius > 0.0 && !(SIGN[mode] * report[RESIDUAL] < 0.0)) return 0;
     if (evaluate(r, m, state, row, report) < 0) return 0;
-    if (r->object->radius > 0.0 && SIGN[mode] * m->z[0] < 0.0) {
-        Search s = {r, m, state, row, report, 0.0, 0.0, {0.0}};
-        if (vanishes(torque_at, &s, 0.0, m->z) != 1 || SIGN[mode] * m->z[0] < 0.0) return 0;
+    if (r->object->radius > 0.0 && SIGN[mode] * m->z[SPIN] < 0.0) {
+        Search s = {r, m, state, row, report, 0.0, 0.0, {0.0, 0.0}};
+        if (vanishes(torque_at, &s, 0.0, m->z + SPIN) != 1 || SIGN[mode] * m->z[SPIN] < 0.0)
+            return 0;
         iterate(r, m, state, m->z, row, report);
     }
     return report[NORMAL_FORCE] >= 0.0 && report[TANGENTIAL_FORCE] >= 0.0;
 }
 
-/* Whether the friction of both contacts can hold the object in translation. Of the tangential force x at the first
-   contact the other forces are linear; the cones leave an interval of it. */
+/* Whether the friction of both contacts can hold the object in translation. Of the tangential force
+   x at the first contact the other forces are linear; the cones leave an interval of it. */
 static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
-    double state[] = {theta, 0.0}, wrench[9], mu = r->friction, radius = r->object->radius, low = -INFINITY, high = INFINITY;
+    double state[] = {theta, 0.0}, friction[FRICTION_SIZE], mu = r->friction;
+    double radius = r->object->radius;
+    double low = -INFINITY, high = INFINITY;
     if (radius == 0.0) return 0;
     Begun b;
     *m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
     begin(r, m, state, m->z, &b);
-    friction_at(&r->object->pressure, b.twist, b.matrix, &r->is_far, wrench);
-    const double *f = b.frame, n1[] = {-f[5], -f[6]}, n2[] = {-f[12], -f[13]}, t1[] = {-f[6], f[5]}, t2[] = {-f[13], f[12]};
-    double gx = wrench[0] + f[0], gy = wrench[1] + f[1], turn = (f[4] * gx - f[3] * gy + wrench[2] + f[2]) / radius;
-    /* N1 n1 + x t1 + N2 n2 - (x + turn) t2 = g */
-    double fixed[2], slope[2], det = n1[0] * n2[1] - n1[1] * n2[0];
-    const double at_zero[] = {gx + turn * t2[0], gy + turn * t2[1]}, by_x[] = {t2[0] - t1[0], t2[1] - t1[1]};
-    fixed[0] = (at_zero[0] * n2[1] - at_zero[1] * n2[0]) / det;
-    fixed[1] = (n1[0] * at_zero[1] - n1[1] * at_zero[0]) / det;
-    slope[0] = (by_x[0] * n2[1] - by_x[1] * n2[0]) / det;
-    slope[1] = (n1[0] * by_x[1] - n1[1] * by_x[0]) / det;
+    friction_on(r, state, &b, &r->is_far, 0, friction);
+    const double *f = b.frame, c1 = f[FRAME_COSINE], s1 = f[FRAME_SINE];
+    double c2 = f[FRAME_SECOND_COSINE], s2 = f[FRAME_SECOND_SINE], det = c1 * s2 - s1 * c2;
+    double gx = friction[FORCE_X] + f[FRAME_FORCE_X], gy = friction[FORCE_Y] + f[FRAME_FORCE_Y];
+    double torque = friction[TORQUE] + f[FRAME_TORQUE];
+    double turn = (f[FRAME_Y] * gx - f[FRAME_X] * gy + torque) / radius;
+    /* -N1 n1 + x t1 - N2 n2 - (x + turn) t2 = g, of each contact N = fixed + slope x */
+    double zero_x = gx - turn * s2, zero_y = gy + turn * c2, by_x = s1 - s2, by_y = c2 - c1;
+    double fixed[] = {(zero_y * c2 - zero_x * s2) / det, (s1 * zero_x - c1 * zero_y) / det};
+    double slope[] = {(by_y * c2 - by_x * s2) / det, (s1 * by_x - c1 * by_y) / det};
     for (int k = 0; k < 2; ++k)
         for (int sign = -1; sign <= 1; sign += 2) {
             /* mu N - sign T >= 0, T = x or -(x + turn) */
-            double a = mu * fixed[k] + (k ? sign * turn : 0.0), c = mu * slope[k] + (k ? sign : -sign);
+            double a = mu * fixed[k] + (k ? sign * turn : 0.0);
+            double c = mu * slope[k] + (k ? sign : -sign);
             if (c > 0.0) low = fmax(low, -a / c);
             else if (c < 0.0) high = fmin(high, -a / c);
             else if (a < 0.0) return 0;
@@ -142,8 +164,8 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
     return low <= high;
 }
 
-/* A rod that comes into a wedge, where it touches two pieces: which motion goes on from there. Of several the one without
-   forces inside the wedge that nothing has built up. */
+/* A rod that comes into a wedge, where it touches two pieces: which motion goes on from there. Of
+   several the one without forces inside the wedge that nothing has built up. */
 static int enter_wedge(Stroke *r, Motion *m, int wedge, const double *end, double *state) {
     const double *at = piece_of(r, wedge);
     Motion next;
@@ -151,49 +173,53 @@ static int enter_wedge(Stroke *r, Motion *m, int wedge, const double *end, doubl
     r->is_wedged = 1;
     for (int forward = 1; forward >= 0; --forward) {
         int piece = (int)at[forward ? PIECE_AFTER : PIECE_BEFORE];
-        if (!leaves_along(r, &next, piece, forward, state[0])) continue;
-        state[1] = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
+        if (!leaves_along(r, &next, piece, forward, state[THETA])) continue;
+        state[COORDINATE] = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
         return change_motion(r, m, next, end, state, 0.0);
     }
-    while (mode <= WEDGE_RIGHT && !turns_about(r, &next, wedge, mode, state[0])) ++mode;
-    if (mode > WEDGE_RIGHT && !is_held_in(r, &next, wedge, state[0])) return NOT_ALONE;
-    state[1] = 0.0;
+    while (mode <= WEDGE_RIGHT && !turns_about(r, &next, wedge, mode, state[THETA])) ++mode;
+    if (mode > WEDGE_RIGHT && !is_held_in(r, &next, wedge, state[THETA])) return NOT_ALONE;
+    state[COORDINATE] = 0.0;
     return change_motion(r, m, next, end, state, 0.0);
 }
 
-/* A rod in a wedge loses one of both contacts, and goes on along the piece of the other one, in the same sense. */
+/* A rod in a wedge loses one of both contacts, and goes on along the piece of the other one, in the
+   same sense. */
 static int leave_wedge(Stroke *r, Motion *m, double *state, int forward) {
-    int piece = (int)piece_of(r, m->piece)[forward ? PIECE_AFTER : PIECE_BEFORE], left = m->mode == WEDGE_LEFT;
-    double touch[3], spin = m->z[0], coordinate = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
-    if (leaves_along(r, m, piece, forward, state[0])) {
-        state[1] = coordinate;
+    int piece = (int)piece_of(r, m->piece)[forward ? PIECE_AFTER : PIECE_BEFORE];
+    int left = m->mode == WEDGE_LEFT;
+    double spin = m->z[SPIN], coordinate = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
+    if (leaves_along(r, m, piece, forward, state[THETA])) {
+        state[COORDINATE] = coordinate;
         return NOTHING;
     }
-    state[1] = coordinate;
-    Motion next = motion_of(r, r->friction == 0.0 ? SLIDE_FREE : left ? SLIDE_LEFT : SLIDE_RIGHT, piece, 0.0, 0.0);
-    touch_of(r, &next, state, touch);
-    if (touch[0] <= 0.0) return LEFT;
-    next.z[0] = spin / touch[0];
-    next.z[1] = (touch[1] - spin * r->object->radius) / touch[0];
+    state[COORDINATE] = coordinate;
+    Motion next = motion_of(r, r->friction == 0.0 ? SLIDE_FREE : left ? SLIDE_LEFT : SLIDE_RIGHT,
+                            piece, 0.0, 0.0);
+    Touch touch = touch_of(r, &next, state);
+    if (touch.approach <= 0.0) return LEFT;
+    next.z[SPIN] = spin / touch.approach;
+    next.z[SLIP] = (touch.along - spin * r->object->radius) / touch.approach;
     *m = next;
     return NOTHING;
 }
 
-/* Carries state and variation to the next piece: the same mode goes on there; a point that passes a corner starts anew,
-   its normal having jumped, or leaves. What the last step overshot is carried over at the same speed. */
+/* Carries state and variation to the next piece: the same mode goes on there; a point that passes a
+   corner starts anew, its normal having jumped, or leaves. What the last step overshot is carried
+   over at the same speed. */
 static int cross(Stroke *r, Motion *m, const double *end, double *state, int forward) {
     const double *old = piece_of(r, m->piece);
     int next = (int)old[forward ? PIECE_AFTER : PIECE_BEFORE];
     const double *new = piece_of(r, next);
     if ((int)new[PIECE_KIND] == KIND_WEDGE) return enter_wedge(r, m, next, end, state);
-    Motion following = motion_of(r, m->mode, next, m->z[0], m->z[1]);
-    double edge_old = old[forward ? PIECE_HIGH : PIECE_LOW], edge_new = new[forward ? PIECE_LOW : PIECE_HIGH];
-    double at_old[2] = {state[0], edge_old}, at_new[2] = {state[0], edge_new}, before[3], after[3];
-    touch_of(r, m, at_old, before);
-    touch_of(r, &following, at_new, after);
-    double ratio = before[2] / after[2];
-    if (r->object->radius == 0.0 && after[0] <= 0.0) return LEFT;
-    state[1] = edge_new + (state[1] - edge_old) * ratio;
+    Motion following = motion_of(r, m->mode, next, m->z[SPIN], m->z[SLIP]);
+    double edge_old = old[forward ? PIECE_HIGH : PIECE_LOW];
+    double edge_new = new[forward ? PIECE_LOW : PIECE_HIGH];
+    double at_old[] = {state[THETA], edge_old}, at_new[] = {state[THETA], edge_new};
+    Touch before = touch_of(r, m, at_old), after = touch_of(r, &following, at_new);
+    double ratio = before.metric / after.metric;
+    if (r->object->radius == 0.0 && after.approach <= 0.0) return LEFT;
+    state[COORDINATE] = edge_new + (state[COORDINATE] - edge_old) * ratio;
     if (r->object->radius == 0.0) {
         int found = first_motion(r, &following, state);
         if (found < 0) return found;
@@ -201,21 +227,24 @@ static int cross(Stroke *r, Motion *m, const double *end, double *state, int for
     return change_motion(r, m, following, end, state, ratio);
 }
 
-/* The end of its side that a point stands on and is about to slide over, else NOTHING; or why it cannot be told. */
+/* The end of its side that a point stands on and is about to slide over, else NOTHING; or why it
+   cannot be told. */
 static int slides_off(Stroke *r, Motion *m, const double *state, double *row) {
     const double *on = piece_of(r, m->piece);
     double report[REPORT];
     if (r->object->radius > 0.0 || !slides(m)) return NOTHING;
-    int low = state[1] - on[PIECE_LOW] <= AT_END, high = on[PIECE_HIGH] - state[1] <= AT_END;
+    int low = state[COORDINATE] - on[PIECE_LOW] <= AT_END;
+    int high = on[PIECE_HIGH] - state[COORDINATE] <= AT_END;
     if (!low && !high) return NOTHING;
     int found = evaluate(r, m, state, row, report);
     if (found < 0) return found;
-    double sense = m->mode == SLIDE_FREE ? row[SLOPE + 1] : SIGN[m->mode];
+    double sense = m->mode == SLIDE_FREE ? row[SLOPE + COORDINATE] : SIGN[m->mode];
     return low && sense < 0.0 ? AFTER_LOW : high && sense > 0.0 ? BEFORE_HIGH : NOTHING;
 }
 
 /* A straight push: why it ended; m, state and last are those of its end. */
-static int run_push(Stroke *r, Motion *m, double *state, double length, double *travel, Step *last) {
+static int run_push(Stroke *r, Motion *m, double *state, double length, double *travel,
+                    Step *last) {
     double h = FIRST_PUSH_STEP, left = length, done;
     int found = first_motion(r, m, state);
     if (found < 0) return found;
@@ -226,11 +255,12 @@ static int run_push(Stroke *r, Motion *m, double *state, double length, double *
         if (broken < 0 && broken != NOTHING) return broken;
         *travel += done;
         left -= done;
-        if (broken == NOTHING || broken == APPROACH || left <= 1e-14 * length) return broken == APPROACH ? LEFT : DISTANCE;
+        if (broken == NOTHING || broken == APPROACH || left <= 1e-14 * length)
+            return broken == APPROACH ? LEFT : DISTANCE;
         if (broken == AFTER_LOW || broken == BEFORE_HIGH) {
             found = cross(r, m, last->rows[STAGES], state, broken == BEFORE_HIGH);
             if (found != NOTHING) return found;
-        } else if (m->mode >= WEDGE_LEFT) {
+        } else if (place_of(m) == AT_WEDGE) {
             found = leave_wedge(r, m, state, broken == FIRST);
             if (found != NOTHING) return found;
         } else if ((found = other_mode(r, m, state, broken)) < 0)
@@ -239,19 +269,20 @@ static int run_push(Stroke *r, Motion *m, double *state, double length, double *
     return CHATTERS;
 }
 
-/* How the object moves in a ring whose friction circle has a radius: a spin that depends on the orientation alone never
-   changes its sign on the way, so that the mode stays. */
+/* How the object moves in a ring whose friction circle has a radius: a spin that depends on the
+   orientation alone never changes its sign on the way, so that the mode stays. */
 static int ring_mode(Stroke *r, const Motion *m, const double *state) {
-    double still[2] = {0.0, 0.0}, row[ROW], report[REPORT];
+    double still[UNKNOWN_SIZE] = {0.0}, row[ROW], report[REPORT];
     if (r->friction == 0.0) return RING;
     iterate(r, m, state, still, row, report);
     double torque = report[RESIDUAL];
-    if (fabs(torque) <= r->friction * hypot(report[NORMAL_FORCE], report[TANGENTIAL_FORCE])) return RING_STUCK;
+    if (fabs(torque) <= r->friction * hypot(report[NORMAL_FORCE], report[TANGENTIAL_FORCE]))
+        return RING_STUCK;
     return torque < 0.0 ? RING_LEFT : RING_RIGHT;
 }
 
-/* One leg in the ring. Where its friction does not hold the object there is a spin in its sense, since from rest to the
-   fastest spin the torque changes sign. */
+/* One leg in the ring. Where its friction does not hold the object there is a spin in its sense,
+   since from rest to the fastest spin the torque changes sign. */
 static int run_leg(Stroke *r, Motion *m, double *state, double length, double *travel, Step *last) {
     double h = FIRST_DRAG_STEP, row[ROW], report[REPORT];
     *m = motion_of(r, ring_mode(r, m, state), m->piece, 0.0, 0.0);
@@ -267,12 +298,12 @@ static int run_leg(Stroke *r, Motion *m, double *state, double length, double *t
         return found < 0 ? (int)found : DISTANCE;
     }
     int found = evaluate(r, m, state, row, report);
-    if (found >= 0 && SIGN[m->mode] * m->z[0] < 0.0) {
-        Search s = {r, m, state, row, report, 0.0, 0.0, {0.0}};
-        found = vanishes(torque_at, &s, 0.0, m->z);
+    if (found >= 0 && SIGN[m->mode] * m->z[SPIN] < 0.0) {
+        Search s = {r, m, state, row, report, 0.0, 0.0, {0.0, 0.0}};
+        found = vanishes(torque_at, &s, 0.0, m->z + SPIN);
     }
     if (found >= 0) found = integrate(r, m, state, length, &h, travel, last);
     if (found == UNSOLVED && r->friction > 0.0) return RING_STOPS;
     if (found != NOTHING) return found;
-    return SIGN[m->mode] * m->z[0] < -TURNS_BACK ? RING_STOPS : DISTANCE;
+    return SIGN[m->mode] * m->z[SPIN] < -TURNS_BACK ? RING_STOPS : DISTANCE;
 }
