@@ -330,10 +330,14 @@ static int stays_watched(const Stroke *r, const Motion *m, const double *row) {
     return slides(m) || fabs(tan(row[UNKNOWN + FROM_NORMAL])) <= STEEP;
 }
 
-/* Where the margin of a watched point is zero: it passes its rest, comes to rest, or sets out. */
+/* Where the margin of a watched point is zero: it passes its rest, comes to rest, or sets out. Where
+   no polar unknowns are found then, as on the rim of a patch, plain ones are taken again. */
 static int change_rest(Stroke *r, Motion *m, double *row) {
-    double report[REPORT], holding[2], z[UNKNOWN_SIZE];
+    double report[REPORT], holding[2], z[UNKNOWN_SIZE], found[ROW];
     Force force;
+    Motion plain = *m;
+    memcpy(found, row, sizeof found);
+    unwatch(r, &plain, found);
     memcpy(m->z, row + UNKNOWN, sizeof m->z);
     if (!slides(m)) m->side = -m->side;
     else if (!m->rests) m->rests = 1;
@@ -344,7 +348,10 @@ static int change_rest(Stroke *r, Motion *m, double *row) {
         m->z[FACING] = atan2(holding[Y], holding[X]);
     }
     m->has_tangent = m->has_reached = 0;
-    return evaluate_watched(r, m, row, row, report);
+    if (evaluate_watched(r, m, row, row, report) == 1) return 1;
+    *m = plain;
+    m->has_tangent = m->has_reached = 0;
+    return evaluate(r, m, found, row, report);
 }
 
 /* How the point's friction goes with the twist (added to a Hessian) and with the law (added to
