@@ -16,7 +16,7 @@
 /* Points no farther than this from the centre of rotation (extents, in the velocity plane) are
    watched; under a contact that sticks, up to this tangent of their angle: beyond it the balance is
    not theirs. */
-static const double NEAR = 0.04, STEEP = 4.0;
+static const double NEAR = 0.04, STEEP = 20.0;
 /* Steps of states that tangents are told by, and the least size by which directions turn. */
 static const double ASIDE = 1e-7, LEAST_SIZE = 1e-9;
 /* Sizes of w (unit travel of the rod) that count as rest where a motion begins. */
@@ -190,7 +190,7 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     wrench_varies(m, &w, &p, others, by);
     correction_of(n, residual, by_wrench, by, step);
     for (int j = 0; j < n; ++j) add(g, by[j], step[j], WRENCH);
-    for (int k = 0; k < UNKNOWN_SIZE; ++k) after[k] = polar[k] + step[k];
+    for (int k = 0; k < UNKNOWN_SIZE; ++k) after[k] = k < n ? polar[k] + step[k] : 0.0;
     Polar corrected = polar_at(m, &w, after);
     /* any Hessian serves: what it would correct is next to zero */
     double friction[FRICTION_SIZE] = {[XX] = 1.0, [YY] = 1.0, [WW] = 1.0};
