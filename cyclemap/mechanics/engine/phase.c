@@ -21,6 +21,8 @@ static const double STUCK = 1e-8;
 static const double SHORT = 1e-5;
 /* Where polar unknowns are not found in steps this short, over the length, plain ones are tried. */
 static const double UNWATCHED = 1e-5;
+/* Steps go no farther than this many times to where a point passes its rest. */
+static const double OVERSHOOT = 1.2;
 enum { NOTHING = -100, MOST_STEPS = 20000 };
 
 /* Where a stroke is written down, as long as there is room. */
@@ -176,6 +178,21 @@ static int record(Stroke *r, Motion *m, const double *row) {
     return 1;
 }
 
+/* Whether polar unknowns no longer serve in a step: they are not found, or a contact that sticks has
+   its balance from elsewhere. */
+static int is_lost(const Motion *m, const Step *taken, int found, double tried, double length,
+                   double tolerance) {
+    if (m->watched < 0) return 0;
+    if (!found) return tried <= UNWATCHED * length;
+    const double *end = taken->rows[STAGES];
+    return taken->error <= tolerance && end[MARGIN + RESTS] >= 0.0 && !is_watchable(m, end);
+}
+
+static int is_used_up(const Motion *m, const Step *taken) {
+    const double *end = taken->rows[STAGES];
+    return m->watched >= 0 && end[MARGIN + RESTS] < 0.0 && !is_watchable(m, end);
+}
+
 /* Integrates a motion over a length or until a margin falls below zero: returns which, NOTHING, or
    why it cannot. */
 static int integrate_watching(Stroke *r, Motion *m, double *state, double length, double *next_h,
@@ -194,16 +211,18 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
         if (++r->steps > MOST_STEPS) return MANY_STEPS;
         if (h < 1e-15 * length) return UNSOLVED;
         double tried = fmin(fmin(h, length - *done), r->longest), lowest = INFINITY;
+        tried = fmin(tried, OVERSHOOT * rest_ahead(r, m, row));
         int broken = NOTHING;
         found = attempt(r, m, row, tried, tried > SHORT * length, taken);
         if (found < 0) return found;
-        if (m->watched >= 0
-            && (found ? !is_watchable(m, taken->rows[STAGES]) : tried <= UNWATCHED * length)) {
+        if (is_lost(m, taken, found, tried, length, tolerance)) {
             unwatch(r, m, row);
             m->has_tangent = 0;
             is_blocked = 1;
             continue;
         }
+        /* beyond its rest a point whose friction was used up tells nothing */
+        if (found && is_used_up(m, taken)) found = 0;
         if (!found || !(taken->error <= tolerance)) {
             int ended = least(row, slack, &value);
             if (count && has_margins(m) && tried <= fmax(tolerance, STUCK) && value <= 1.0

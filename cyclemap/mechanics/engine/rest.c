@@ -320,6 +320,17 @@ static int is_watchable(const Motion *m, const double *row) {
     return slides(m) || cos(row[UNKNOWN + FROM_NORMAL]) > 0.5 / STEEP;
 }
 
+/* How far a contact that sticks is from where the point passes its rest, at its pace; infinite where
+   it does not come there. */
+static double rest_ahead(const Stroke *r, const Motion *m, const double *row) {
+    if (m->watched < 0 || slides(m)) return INFINITY;
+    double later[STATE_SIZE] = {row[THETA], row[COORDINATE]};
+    add(later, row + SLOPE, ASIDE, STATE_SIZE);
+    Watched now = watched_at(r, m, row, m->watched), next = watched_at(r, m, later, m->watched);
+    double away = m->side * line_of(&now).away, goes = m->side * line_of(&next).away - away;
+    return away > 0.0 && goes < 0.0 ? ASIDE * away / -goes : INFINITY;
+}
+
 /* Whether a watched point is still the one to watch at a row. */
 static int stays_watched(const Stroke *r, const Motion *m, const double *row) {
     double plain[ROW];
@@ -348,7 +359,7 @@ static int change_rest(Stroke *r, Motion *m, double *row) {
         m->z[FACING] = atan2(holding[Y], holding[X]);
     }
     m->has_tangent = m->has_reached = 0;
-    if (evaluate_watched(r, m, row, row, report) == 1) return 1;
+    if (is_watchable(m, row) && evaluate_watched(r, m, row, row, report) == 1) return 1;
     *m = plain;
     m->has_tangent = m->has_reached = 0;
     return evaluate(r, m, found, row, report);
