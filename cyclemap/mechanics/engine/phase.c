@@ -267,6 +267,10 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
         if (length - *done <= 1e-14 * length) break;
         if (broken == RESTS) {
             if ((found = change_rest(r, m, row)) < 0) return found;
+            memcpy(taken->rows[STAGES], row, sizeof row);
+            /* the point's friction turns as it passes its rest, and with it the rod's force */
+            broken = least(row, slack, &value);
+            if (has_margins(m) && value < -1.0 && broken != RESTS) return broken;
         } else if (m->watched < 0 || !(m->rests || stays_watched(r, m, row))) {
             unwatch(r, m, row);
             if (!is_blocked) watch(r, m, row);
