@@ -19,8 +19,9 @@
 static const double NEAR = 0.04, STEEP = 20.0;
 /* Steps of states that tangents are told by, and the least size by which directions turn. */
 static const double ASIDE = 1e-7, LEAST_SIZE = 1e-9;
-/* Sizes of w (unit travel of the rod) that count as rest where a motion begins. */
-static const double RESTING = 1e-9;
+/* Sizes of w (unit travel of the rod) that count as rest where a motion begins; corrections of an
+   angle that are none. */
+static const double RESTING = 1e-9, WILD = 1.0;
 
 /* The watched point at a state: w = still + spin by[SPIN] + slip by[SLIP]. */
 typedef struct {
@@ -203,6 +204,8 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     row[MARGIN + RESTS] = slides(m) ? after[SIZE] : m->side * line_of(&w).away;
     report[CORRECTION] = sqrt(left_of(&w, &p, polar, step, n));
     report[RESIDUAL] = n == 1 ? residual[0] : hypot(residual[0], residual[1]);
+    /* an angle that goes around is no longer next to those of other stages */
+    if (!(fabs(step[n - 1]) < WILD)) report[CORRECTION] = NAN;
     /* of the pressure's sums from afar the point cannot be left out */
     if (r->is_far) report[CORRECTION] = report[RESIDUAL] = NAN;
     return fabs(report[RESIDUAL]);
@@ -231,7 +234,11 @@ static int evaluate_watched(Stroke *r, Motion *m, const double *state, double *r
         best = residual;
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         int pulls = slides(m) && !(report[NORMAL_FORCE] > 0.0);
-        if (residual <= FOUND && !pulls) return 1;
+        if (residual > FOUND || pulls) continue;
+        double *angle = m->z + unknowns(m) - 1;
+        if (!m->rests) *angle = remainder(*angle, 2.0 * M_PI);
+        memcpy(row + UNKNOWN, m->z, sizeof m->z);
+        return slides(m) || cos(*angle) > 0.0 ? 1 : UNSOLVED;
     }
     return UNSOLVED;
 }
