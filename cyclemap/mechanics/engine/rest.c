@@ -19,9 +19,8 @@
 static const double NEAR = 0.04, STEEP = 20.0;
 /* Steps of states that tangents are told by, and the least size by which directions turn. */
 static const double ASIDE = 1e-7, LEAST_SIZE = 1e-9;
-/* Sizes of w (unit travel of the rod) that count as rest where a motion begins; corrections of an
-   angle that are none. */
-static const double RESTING = 1e-9, WILD = 1.0;
+/* Sizes of w (unit travel of the rod) that count as rest where a motion begins. */
+static const double RESTING = 1e-9;
 
 /* The watched point at a state: w = still + spin by[SPIN] + slip by[SLIP]. */
 typedef struct {
@@ -204,8 +203,6 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     row[MARGIN + RESTS] = slides(m) ? after[SIZE] : m->side * line_of(&w).away;
     report[CORRECTION] = sqrt(left_of(&w, &p, polar, step, n));
     report[RESIDUAL] = n == 1 ? residual[0] : hypot(residual[0], residual[1]);
-    /* an angle that goes around is no longer next to those of other stages */
-    if (!(fabs(step[n - 1]) < WILD)) report[CORRECTION] = NAN;
     /* of the pressure's sums from afar the point cannot be left out */
     if (r->is_far) report[CORRECTION] = report[RESIDUAL] = NAN;
     return fabs(report[RESIDUAL]);
@@ -320,6 +317,12 @@ static void watch(Stroke *r, Motion *m, double *row) {
     if (evaluate_watched(r, &with, row, found, report) < 0) return;
     *m = with;
     memcpy(row, found, sizeof found);
+}
+
+/* Whether the angle of a stage has gone around, or next to it, from where the step began. */
+static int goes_around(const Motion *m, const double *start, const double *row) {
+    int angle = UNKNOWN + unknowns(m) - 1;
+    return m->watched >= 0 && !m->rests && !(fabs(row[angle] - start[angle]) < M_PI / 2.0);
 }
 
 /* Whether the balance is still the watched point's at the end of a step. */

@@ -135,7 +135,8 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
         }
         if (!again)
             for (int k = 0; k < n; ++k) bend[i][k] = row[UNKNOWN + k] - tangent[k];
-        if (!isfinite(taken->correction = report[CORRECTION])) return 0;
+        taken->correction = goes_around(m, start, row) ? NAN : report[CORRECTION];
+        if (!isfinite(taken->correction)) return 0;
         correction = fmax(correction, report[CORRECTION]);
     }
     estimate_error(taken, h);
