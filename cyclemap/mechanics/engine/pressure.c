@@ -149,12 +149,69 @@ static ALWAYS_INLINE void add_places(const Frame *e, const Lanes *x, const Lanes
     sums->of[WW] += k * spin * spin;
 }
 
+/* The same without what follows from homogeneity while the centre of rotation is not distant: |w|
+   in place of the torque, and of the Hessian the part by the velocity. */
+static ALWAYS_INLINE void add_moving(const Frame *e, const Lanes *x, const Lanes *y,
+                                     const Lanes *share, Sums *sums) {
+    const double *t = e->spin, omega = e->omega;
+    Lanes wx = e->middle[X] + (omega * t[M_XX] * *x + omega * t[M_XY] * *y);
+    Lanes wy = e->middle[Y] + (omega * t[M_YX] * *x + omega * t[M_YY] * *y);
+    Lanes speed = wx * wx + wy * wy + 1e-300;
+    roots(&speed);
+    Lanes slowness = 1.0 / speed, ux = wx * slowness, uy = wy * slowness;
+    Lanes fx = *share * ux, fy = *share * uy, kx = fx * slowness, ky = fy * slowness;
+    sums->of[FORCE_X] += fx;
+    sums->of[FORCE_Y] += fy;
+    sums->of[TORQUE] += *share * speed;
+    sums->of[XX] += ky * uy;
+    sums->of[XY] -= ky * ux;
+    sums->of[YY] += kx * ux;
+}
+
+/* Such sums as those of sides: D, the force and the Hessian by the velocity. */
+static void add_speeds(Friction *f, const Sums *sums, double load) {
+    const double *m = f->matrix;
+    double s[FRICTION_SIZE];
+    for (int i = 0; i <= YY; ++i) s[i] = total(&sums->of[i]);
+    double ax = m[M_XX] * s[XX] + m[M_YX] * s[XY], ay = m[M_XX] * s[XY] + m[M_YX] * s[YY];
+    double bx = m[M_XY] * s[XX] + m[M_YY] * s[XY], by = m[M_XY] * s[XY] + m[M_YY] * s[YY];
+    const double added[6] = {
+        s[TORQUE],
+        m[M_XX] * s[FORCE_X] + m[M_YX] * s[FORCE_Y],
+        m[M_XY] * s[FORCE_X] + m[M_YY] * s[FORCE_Y],
+        ax * m[M_XX] + ay * m[M_YX],
+        ax * m[M_XY] + ay * m[M_YY],
+        bx * m[M_XY] + by * m[M_YY],
+    };
+    add(f->sums, added, load, 6);
+    f->is_summed = 1;
+}
+
+static ALWAYS_INLINE void sum_points(const Frame *frame, const double *rows, int64_t count,
+                                     int stride, int place, int share, int is_near, Sums *sums) {
+    for (int64_t i = 0; i < count; i += LANES, rows += LANES * stride) {
+        const double *at = rows + place;
+        Lanes x = {at[X]}, y = {at[Y]}, part = {rows[share]};
+        if (i + 1 < count) {
+            x[1] = at[stride + X];
+            y[1] = at[stride + Y];
+            part[1] = rows[stride + share];
+        }
+        if (is_near) add_moving(frame, &x, &y, &part, sums);
+        else add_places(frame, &x, &y, &part, sums);
+    }
+}
+
 static void move_point(Friction *f, double x, double y, double load) {
     double found[WRENCH], *results[] = {found};
     const double place[] = {x, y}, *given[] = {f->twist, f->matrix, place, f->toward};
     point_toward(given, results, 0, 0, 0);
     add(f->friction, found, load, WRENCH);
 }
+
+/* Centres of rotation farther than this (extents, in the velocity plane) leave homogeneity too few
+   digits. */
+static const double DISTANT = 4.0;
 
 /* Points in rows of `stride`, their places and shares of the load at these columns. */
 static void add_points(Friction *f, const double *rows, int64_t count, int stride, int place,
@@ -168,17 +225,13 @@ static void add_points(Friction *f, const double *rows, int64_t count, int strid
         }
         return;
     }
-    for (int64_t i = 0; i + 1 < count; i += LANES, rows += LANES * stride) {
-        const double *next = rows + stride, *at = rows + place, *at_next = next + place;
-        Lanes x = {at[X], at_next[X]}, y = {at[Y], at_next[Y]}, part = {rows[share], next[share]};
-        add_places(&frame, &x, &y, &part, &sums);
+    if (hypot(frame.middle[X], frame.middle[Y]) > DISTANT * fabs(frame.omega)) {
+        sum_points(&frame, rows, count, stride, place, share, 0, &sums);
+        add_sums(f, &frame, &sums, load);
+        return;
     }
-    if (count % LANES) {
-        const double *at = rows + place;
-        Lanes x = {at[X]}, y = {at[Y]}, part = {rows[share]};
-        add_places(&frame, &x, &y, &part, &sums);
-    }
-    add_sums(f, &frame, &sums, load);
+    sum_points(&frame, rows, count, stride, place, share, 1, &sums);
+    add_speeds(f, &sums, load);
 }
 
 static void add_patch(Friction *f, const double *geometry, double load);
