@@ -120,7 +120,8 @@ static int land(Stroke *r, Motion *m, const double *start, const double *slack, 
             slope = place = before = NAN;
         }
         double margin = end[MARGIN + broken] / slack[broken] - goal_of(m, broken);
-        if (fabs(margin) <= (goal_of(m, broken) == 0.0 ? 1.0 : 0.5) || h <= LEAST_ADVANCE) return broken;
+        double near = goal_of(m, broken) == 0.0 ? 1.0 : 0.5;
+        if (fabs(margin) <= near || h <= LEAST_ADVANCE) return broken;
         if (high - low <= 1e-13) {
             /* it jumps here: the side where it still holds counts */
             if (has_kept) *taken = kept;
@@ -178,8 +179,8 @@ static int record(Stroke *r, Motion *m, const double *row) {
     return 1;
 }
 
-/* Whether polar unknowns no longer serve in a step: they are not found, or a contact that sticks has
-   its balance from elsewhere. */
+/* Whether polar unknowns no longer serve in a step: they are not found, or a contact that sticks
+   has its balance from elsewhere. */
 static int is_lost(const Motion *m, const Step *taken, int found, double tried, double length,
                    double tolerance) {
     if (m->watched < 0) return 0;
@@ -188,6 +189,7 @@ static int is_lost(const Motion *m, const Step *taken, int found, double tried, 
     return taken->error <= tolerance && end[MARGIN + RESTS] >= 0.0 && !is_watchable(m, end);
 }
 
+/* Whether the friction of a point was used up before it passed its rest. */
 static int is_used_up(const Motion *m, const Step *taken) {
     const double *end = taken->rows[STAGES];
     return m->watched >= 0 && end[MARGIN + RESTS] < 0.0 && !is_watchable(m, end);
@@ -221,7 +223,7 @@ static int integrate_watching(Stroke *r, Motion *m, double *state, double length
             is_blocked = 1;
             continue;
         }
-        /* beyond its rest a point whose friction was used up tells nothing */
+        /* what is told beyond such a rest is void */
         if (found && is_used_up(m, taken)) found = 0;
         if (!found || !(taken->error <= tolerance)) {
             int ended = least(row, slack, &value);

@@ -46,8 +46,8 @@ static Watched watched_at(const Stroke *r, const Motion *m, const double *state,
     return w;
 }
 
-/* The line of w under a contact that sticks: its direction b, how far it goes by spin, and the place
-   of a w on it and beside it. */
+/* The line of w under a contact that sticks: its direction b, how far w goes along it by the spin,
+   and where it is without: away from zero, and along. */
 typedef struct { double b[2], rate, away, along; } Line;
 
 static Line line_of(const Watched *w) {
@@ -60,7 +60,9 @@ static Line line_of(const Watched *w) {
 
 /* What polar unknowns mean: direction u of w and its size, which may be negative; how u turns by
    its angle; spin and slip, and their derivatives by the polar unknowns. */
-typedef struct { double u[2], turning[2], size, z[UNKNOWN_SIZE], by[UNKNOWN_SIZE][UNKNOWN_SIZE]; } Polar;
+typedef struct {
+    double u[2], turning[2], size, z[UNKNOWN_SIZE], by[UNKNOWN_SIZE][UNKNOWN_SIZE];
+} Polar;
 /* Polar unknowns: the angle from the line's normal; or size and direction. */
 enum { FROM_NORMAL = 0, SIZE = 0, FACING };
 
@@ -109,7 +111,8 @@ static void balance_at(const Motion *m, const double *f, const double *g, double
                        double by[UNKNOWN_SIZE][WRENCH]) {
     double smu = m->p[SMU], size = hypot(g[FORCE_X], g[FORCE_Y]);
     double turn = law_of(m) == LAW_TURN && size > 0.0 ? smu / size : 0.0;
-    const double torque[WRENCH] = {f[FRAME_Y] + turn * g[FORCE_X], turn * g[FORCE_Y] - f[FRAME_X], 1.0};
+    const double torque[WRENCH] = {f[FRAME_Y] + turn * g[FORCE_X],
+                                   turn * g[FORCE_Y] - f[FRAME_X], 1.0};
     const double across[WRENCH] = {smu * f[FRAME_COSINE] - f[FRAME_SINE],
                                    smu * f[FRAME_SINE] + f[FRAME_COSINE], 0.0};
     memcpy(by[0], torque, sizeof torque);
@@ -155,7 +158,8 @@ static void correction_of(int n, const double *residual, const double by_wrench[
 
 /* About what a correction leaves to be corrected: it bends with the direction, the less the smaller
    w is and the less the point carries. */
-static double left_of(const Watched *w, const Polar *p, const double *polar, const double *step, int n) {
+static double left_of(const Watched *w, const Polar *p, const double *polar, const double *step,
+                      int n) {
     double turn = step[n - 1] * step[n - 1];
     if (n == 1)
         return turn * fmin(1.0, fabs(p->by[0][SPIN]) * (1.0 + fabs(tan(polar[FROM_NORMAL]))));
@@ -253,7 +257,8 @@ static void unwatch(const Stroke *r, Motion *m, double *row) {
     m->rests = 0;
 }
 
-/* The point that moves least at a row of plain unknowns, if it is near to the centre of rotation. */
+/* The point that moves least at a row of plain unknowns, if it is near to the centre of rotation;
+   else -1. */
 static int64_t nearest_to(const Stroke *r, const Motion *m, const double *row) {
     Begun b;
     int64_t index = -1, count = count_of_points(r);
@@ -330,8 +335,8 @@ static int is_watchable(const Motion *m, const double *row) {
     return slides(m) || cos(row[UNKNOWN + FROM_NORMAL]) > 0.5 / STEEP;
 }
 
-/* How far a contact that sticks is from where the point passes its rest, at its pace; infinite where
-   it does not come there. */
+/* How far a contact that sticks is from where the point passes its rest, at its pace; infinite
+   where it does not come there. */
 static double rest_ahead(const Stroke *r, const Motion *m, const double *row) {
     if (m->watched < 0 || slides(m)) return INFINITY;
     double later[STATE_SIZE] = {row[THETA], row[COORDINATE]};
@@ -351,8 +356,8 @@ static int stays_watched(const Stroke *r, const Motion *m, const double *row) {
     return slides(m) || fabs(tan(row[UNKNOWN + FROM_NORMAL])) <= STEEP;
 }
 
-/* Where the margin of a watched point is zero: it passes its rest, comes to rest, or sets out. Where
-   no polar unknowns are found then, as on the rim of a patch, plain ones are taken again. */
+/* Where the margin of a watched point is zero: it passes its rest, comes to rest, or sets out.
+   Where no polar unknowns are found then, as on the rim of a patch, plain ones are taken again. */
 static int change_rest(Stroke *r, Motion *m, double *row) {
     double report[REPORT], holding[2], z[UNKNOWN_SIZE], found[ROW];
     Force force;
@@ -378,7 +383,8 @@ static int change_rest(Stroke *r, Motion *m, double *row) {
 /* How the point's friction goes with the twist (added to a Hessian) and with the law (added to
    columns by mu_a, mu_b and alpha; not all: by alpha alone): M^T moves, and so does the direction
    of M v. */
-static void own_varies(const Watched *w, const Polar *p, int all, double *friction, double *by_law) {
+static void own_varies(const Watched *w, const Polar *p, int all, double *friction,
+                       double *by_law) {
     const double *m = w->begun.matrix, *u = p->u, *t = p->turning, *place = w->row + ROW_GEOMETRY;
     double turning[WRENCH], det = m[M_XX] * m[M_YY] - m[M_YX] * m[M_XY];
     double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
@@ -394,7 +400,8 @@ static void own_varies(const Watched *w, const Polar *p, int all, double *fricti
     };
     add(friction, hessian, 1.0, FRICTION_SIZE);
     /* velocity over the size of w */
-    double vx = (m[M_YY] * u[X] - m[M_XY] * u[Y]) / det, vy = (m[M_XX] * u[Y] - m[M_YX] * u[X]) / det;
+    double vx = (m[M_YY] * u[X] - m[M_XY] * u[Y]) / det;
+    double vy = (m[M_XX] * u[Y] - m[M_YX] * u[X]) / det;
     const double toward[3][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
                                            {[M_YX] = m[M_YX] / mu_b, [M_YY] = m[M_YY] / mu_b},
                                            {-m[M_XY], -m[M_YY], m[M_XX], m[M_YX]}};
@@ -423,7 +430,7 @@ static void friction_watched(Stroke *r, const Motion *m, const double *state, in
     own_wrench(&w, p.u, own);
     add(friction, own, 1.0, WRENCH);
     own_varies(&w, &p, all, friction, by_law);
-    int share = SHARE_OF_PART[part_of_points(r)];
-    if (all && share >= 0)
-        add(by_pressure + WRENCH * share, own, 1.0 / r->object->pressure.load[part_of_points(r)], WRENCH);
+    int part = part_of_points(r), share = SHARE_OF_PART[part];
+    double load = r->object->pressure.load[part];
+    if (all && share >= 0) add(by_pressure + WRENCH * share, own, 1.0 / load, WRENCH);
 }

@@ -57,8 +57,8 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
     return correction;
 }
 
-/* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's method
-   corrects them beside it. */
+/* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's
+   method corrects them beside it. */
 static void tangents_aside(Stroke *r, const Motion *m, const double *row, double *toward) {
     int n = unknowns(m), moves = place_of(m) == AT_OUTLINE ? STATE_SIZE : 1;
     double beside[ROW], report[REPORT];
@@ -218,7 +218,8 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     double correction = 0.0;
     if (!m->rests) correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
     m->has_tangent = !is_middle && with.mode == m->mode && m->watched < 0;
-    if ((m->watched < 0 && is_kinked(r, m, row)) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
+    int is_poor = is_middle && !(correction <= UNSOLVED_MIDDLE);
+    if ((m->watched < 0 && is_kinked(r, m, row)) || is_poor) {
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         if (evaluate(r, m, row, row, report) < 0) return UNSOLVED;
         slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
