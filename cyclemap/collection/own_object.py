@@ -15,7 +15,14 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.setting_table import SETTINGS, Settings, without_noise
 from cyclemap.collection.settings import inherited_defaults, layered
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.mechanics import Ellipse, Polygon, SidePush, Slider, load_material
+from cyclemap.mechanics import (
+    Ellipse,
+    Polygon,
+    SidePush,
+    Slider,
+    grid_footprint,
+    load_material,
+)
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.mechanics.outline import Outline
 
@@ -28,6 +35,8 @@ _RULED_MM = 5.0
 # Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
 _SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
 _MOST_RATIO = 2.0
+# Where a ring would lie beside a bent object, it comes to the nearest of so many cells a side inside.
+_CELLS = 40
 _AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
 # A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter than this neither.
 _SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
@@ -50,8 +59,9 @@ def first_settings(outline: Outline, name: str) -> Settings:
         side, slant = _longest_outer_side(outline), 0.0
         corner = outline.array[(side + 1) % outline.sides]
     ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
-    while not outline.contains(ring):
-        ring = 0.5 * (ring + centre)
+    if not outline.contains(ring):
+        cells, _ = grid_footprint(outline, _CELLS).quadrature
+        ring = cells[np.argmin(np.hypot(*(cells - ring).T))]
     return {
         **shape,
         "object_name": name,

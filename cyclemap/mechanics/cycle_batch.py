@@ -1,7 +1,7 @@
 """Whole cycles of many loops in one call of the engine, and their derivatives."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Protocol
@@ -142,8 +142,8 @@ class CycleSlopes:
         self._lever, self._unit = np.array([model.slider.hitch]), model.unit
         self._push = replace(model.push_strokes(Pose(), loop.push), with_object=True)
         self._drag = replace(model.cycle_strokes(loop.push, loop.reset), length=0.0)
-        ringless = replace(model, slider=replace(model.slider, hitch=model.slider.centre_of_mass))
-        self._ends = _kept_ends(ringless, loop.push)
+        body = (model.slider.outline, model.slider.centre_of_mass, model.footprint)
+        self._ends = _kept_ends(body, model.friction, model.pusher, model.accuracy, loop.push)
 
     def __call__(self, theta: Array) -> tuple[Array, Array]:
         """Return both (n,) at orientations (n,), rad. Raises what the first cycle that fails ends
@@ -182,8 +182,11 @@ class CycleSlopes:
 
 
 @lru_cache(maxsize=128)
-def _kept_ends(model: QuasiStaticModel, push: SidePush) -> dict[float, Array]:
-    """By orientation, what pushes of a model from the origin come to, as far as it is known yet."""
+def _kept_ends(*given: Hashable) -> dict[float, Array]:
+    """By orientation, what pushes from the origin come to, as far as it is known yet.
+
+    `given`: all that they depend on.
+    """
     return {}
 
 

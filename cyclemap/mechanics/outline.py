@@ -69,6 +69,17 @@ class Polygon:
             tuple(map(tuple, (np.array(about) + factor * (self.array - about)).tolist()))
         )
 
+    def bears(self, place: tuple[float, float]) -> bool:
+        """Whether a load at a place rests on the polygon: whether it is inside the convex hull.
+
+        >>> Polygon([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]).bears((1.2, 1.2))
+        True
+        """
+        x, y = (self.array - place).T
+        around = np.sort(np.arctan2(y, x))
+        # From inside the hull the vertices are seen all around, without a gap of half a turn.
+        return bool(np.diff(around, append=around[0] + 2.0 * np.pi).max() < np.pi)
+
     def encloses(self, other: "Polygon") -> bool:
         """Whether another polygon lies inside, touching no side."""
         sides = (
@@ -129,6 +140,10 @@ class Ellipse:
         """Return the closed outline as a polyline (count + 1, 2), m."""
         angle = np.linspace(0.0, 2.0 * np.pi, count + 1)
         return np.stack([self.semi_x * np.cos(angle), self.semi_y * np.sin(angle)], axis=-1)
+
+    def bears(self, place: tuple[float, float]) -> bool:
+        """Whether a load at a place rests on the ellipse: whether it is inside."""
+        return bool(self.contains(np.asarray(place)))
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside."""

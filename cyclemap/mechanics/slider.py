@@ -61,7 +61,7 @@ class Slider:
     ----------
     outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
     mass : kg; in quasi-static motion it scales the contact forces and nothing else.
-    centre_of_mass : (x, y), m; None: the outline's centroid.
+    centre_of_mass : (x, y), m, inside the outline's convex hull; None: the outline's centroid.
     hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a
         `DoubtfulInput` warning, and InvalidInput more than ten times as far from the centre as any
         of the outline.
@@ -91,9 +91,10 @@ class Slider:
             positive_number("slider inertia", self.inertia)
         centre = self.outline.centroid if self.centre_of_mass is None else self.centre_of_mass
         centre = point("centre of mass", centre)
-        if not self.outline.contains(np.asarray(centre)):
+        if not self.outline.bears(centre):
             raise InvalidInput(
-                f"the centre of mass {centre} m lies outside the outline: the object would tip"
+                f"the centre of mass {centre} m lies outside the outline's convex hull: the object "
+                "would tip; give one inside"
             )
         vars(self).update(
             centre_of_mass=centre, hitch=point("hitch", self.hitch), weight=self.mass * GRAVITY

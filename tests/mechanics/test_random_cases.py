@@ -8,6 +8,7 @@ from force_balance import check
 from random_cases import harsh_case, random_case
 
 from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.engine.schema import RECORD
 
 CASES = 2_000
 SHARES = 10
@@ -60,6 +61,15 @@ def test_the_hardest_of_many_thousand_extremes_have_a_result(kind, seed):
     assert run_and_check(harsh_case(kind, seed), balanced=True) in ("distance", "left")
 
 
+def test_states_that_are_written_down_balance_to_newtons_tolerance():
+    """2e-13 of the mean friction coefficient, where no support point stands still."""
+    worst = 0.0
+    for seed in range(60):
+        for stroke in random_case(seed).run():
+            worst = max(worst, RECORD.columns_of(stroke.course.rows).residual.max())
+    assert 0.0 < worst <= 2e-13
+
+
 def turns_of(seed, accuracy):
     push, drag = random_case(seed, accuracy).run()
     return np.array((push.turn, drag.end.theta - drag.start.theta))
@@ -75,6 +85,23 @@ def test_the_error_of_a_push_and_a_drag_stays_near_the_accuracy_asked_and_falls_
     assert np.max(shares) < 20.0
     means = np.mean(errors, axis=0)
     assert (means[:-1] / means[1:] > 10.0).all()
+
+
+def test_the_travel_of_a_push_that_the_rod_leaves_is_as_accurate_as_its_pose():
+    """Where a rod leaves its approach falls to zero at a steady rate: the travel is off by as much as that is."""
+    shares = []
+    for seed in range(60):
+        finest = random_case(seed, 1e-11)
+        last = finest.model.push(finest.pose, finest.push)
+        if last.ended != "left":
+            continue
+        for accuracy in (1e-8, 1e-10):
+            push = random_case(seed, accuracy).model.push(finest.pose, finest.push)
+            assert push.ended == "left"
+            shares.append(abs(push.travel - last.travel) / last.course.unit / accuracy)
+    assert len(shares) >= 20
+    assert np.median(shares) < 0.1
+    assert np.max(shares) < 10.0
 
 
 def test_steps_grow_as_the_seventh_root_of_the_accuracy_at_most():

@@ -368,16 +368,37 @@ def _residual(law: str, frame: ca.SX, p: ca.SX, g: ca.SX) -> tuple[ca.SX, ca.SX,
     if law == "turn":
         return torque + smu * ca.sqrt(gx**2 + gy**2), normal, tangential
     if law == "wedge":
-        sense, c2, s2 = KINDS[law].of(given.geometry).sense, at.second_cosine, at.second_sine
-        other = smu * sense
-        ax, ay, bx, by = -c - smu * s, -s + smu * c, -c2 - other * s2, -s2 + other * c2
-        det = ax * by - ay * bx
+        sense = KINDS[law].of(given.geometry).sense
+        (ax, ay), (bx, by), det = _edges(frame, p)
         first, second = (gx * by - gy * bx) / det, (ax * gy - ay * gx) / det
-        # Both cones of a point together may hold every force.
-        any_force = ca.logic_and(sense < 0, det >= 0)
-        first, second = (ca.if_else(any_force, 1, force) for force in (first, second))
-        return torque + given.radius * (smu * first + other * second), first, second
+        return torque + given.radius * smu * (first + sense * second), first, second
     return torque, normal, tangential
+
+
+def _edges(frame: ca.SX, p: ca.SX) -> tuple[tuple[ca.SX, ca.SX], tuple[ca.SX, ca.SX], ca.SX]:
+    """The edges of both cones between which the force in a wedge lies, and their determinant."""
+    at, given = FRAME.of(frame), MOTION.of(p)
+    c, s, c2, s2, smu = at.cosine, at.sine, at.second_cosine, at.second_sine, given.smu
+    other = smu * KINDS["wedge"].of(given.geometry).sense
+    ax, ay, bx, by = -c - smu * s, -s + smu * c, -c2 - other * s2, -s2 + other * c2
+    return (ax, ay), (bx, by), ax * by - ay * bx
+
+
+def _wedge_margins(frame: ca.SX, p: ca.SX, first: ca.SX, second: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Margins of both contacts: their compressions; but a point's edges may be over half a turn
+    apart.
+
+    Then the force is between them unless it is in what is left of the turn, where both are
+    positive; it comes there by the edge of that contact which stays.
+    """
+    _, _, det = _edges(frame, p)
+    sense = KINDS["wedge"].of(MOTION.of(p).geometry).sense
+    is_wide = ca.logic_and(sense < 0, det > 0)
+    loses_first = first < second
+    return (
+        ca.if_else(is_wide, ca.if_else(loses_first, -first, 1), first),
+        ca.if_else(is_wide, ca.if_else(loses_first, 1, -second), second),
+    )
 
 
 def _rate(law: str, frame: ca.SX, p: ca.SX, z: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -420,12 +441,12 @@ def _finish(law: str) -> ca.Function:
         "stick": (smu * first - second, smu * first + second),
         "slide": (ca.sign(smu) * slip, 1),
         "turn": (1, 1),
-        "wedge": (first, second),
-    }[law]
+    }
+    of_law = _wedge_margins(frame, p, first, second) if law == "wedge" else margins[law]
     ends = (1, 1, 1) if law in ("turn", "wedge") else (at.approach, at.after_low, at.before_high)
     # Whether support points rest is told by rest.c.
-    margins = (*ends, *margins, 1)
-    row = ca.vertcat(theta_rate, rate, *margins, corrected, *(0,) * (UNKNOWN.size - count))
+    all_margins = (*ends, *of_law, 1)
+    row = ca.vertcat(theta_rate, rate, *all_margins, corrected, *(0,) * (UNKNOWN.size - count))
     report = ca.vertcat(ca.mmax(ca.fabs(step)), _size(residual), first, second)
     return function_of(f"finish_{law}", [frame, p, z, given], [row, report])
 

@@ -95,12 +95,12 @@ MOTION = Columns(
     f"direction radius smu {LAW.entries} geometry:5 low high "
     "cos_direction sin_direction cos_phi sin_phi",
 )
-# Those by which a motion is differentiated, after its state: of the geometry, the first two
+# Those by which a motion is differentiated, after its state: of the geometry, the first four
 # numbers.
 VARIED = {
     **{name: MOTION.at(name) for name in ("direction", "radius", "smu")},
     **{name: MOTION.at(name) for name in ("mu_a", "mu_b", "m0", "n0", "phi")},
-    **{f"geometry_{axis}": MOTION.at("geometry") + k for k, axis in enumerate("xy")},
+    **{f"geometry_{k}": MOTION.at("geometry") + k for k in range(4)},
 }
 # What a contact begins with, besides the twist and the friction matrix: the constant wrench of the
 # friction ellipse's centre; contact point and normal, approach and travel along of a rod that
@@ -138,7 +138,9 @@ SOURCES = (*VARIED, *SHARES)
 # push's travel, poses after it and at the end, the ring's way. Its outputs are differentiated.
 TASK = Columns("TASK_COLUMNS", "TASK_", "loop pose:3")
 OUTPUT = Columns("OUTPUTS", "OUTPUT_", "pushed:3 ended:3 way")
-RESULT = Columns("RESULT_COLUMNS", "RESULT_", f"status has_left travel {OUTPUT.entries}")
+RESULT = Columns(
+    "RESULT_COLUMNS", "RESULT_", f"status has_left is_ambiguous travel {OUTPUT.entries}"
+)
 # The course of a task: number of the stroke (0: the push), travel, the rod's place, state, piece,
 # mode, both forces, residual of the balance; point and outward normal of the contact in the
 # object's frame.

@@ -95,8 +95,8 @@ class Strokes:
 
 @dataclass(frozen=True, eq=False)
 class Ran:
-    """What came of tasks (n,): status (1: done, else why not), whether the rod left, and in extents
-    and rad
+    """What came of tasks (n,): status (1: done, else why not), whether the rod left, whether
+    another motion would have gone on, too, from a concave corner, and in extents and rad
 
     travel (n,) of the push, poses (n, 3) after it and at the end, the ring's way (n,); derivatives
     (n, 7, k) of both poses and the way by the k parameters. nan where not done.
@@ -104,6 +104,7 @@ class Ran:
 
     status: NDArray[np.int64]
     left: NDArray[np.bool_]
+    is_ambiguous: NDArray[np.bool_]
     travel: Array
     pushed: Array
     ended: Array
@@ -149,6 +150,7 @@ def run(
     return Ran(
         status=found.status.astype(np.int64),
         left=found.has_left == 1.0,
+        is_ambiguous=found.is_ambiguous == 1.0,
         travel=found.travel,
         pushed=found.pushed,
         ended=found.ended,
