@@ -100,7 +100,10 @@ def test_a_push_that_no_slip_balances_is_refused():
     slider, law = Slider.mit("tri1"), EllipseFriction(0.184621216, 0.118933260, -0.023441769, -0.111881219, 0.218223227)
     feet = PointFootprint(((-0.030424356, 0.039849053), (-0.013999353, -0.003751398)), (0.776174908, 0.223825092))
     model = QuasiStaticModel(slider, law, Pusher(friction=1.07286), feet)
-    push, told = (Pose(theta=-1.65369732), SidePush(2, 0.100212143, -0.116887542, 0.125242)), r"no slip of the rod.* a lower"
+    push, told = (
+        (Pose(theta=-1.65369732), SidePush(2, 0.100212143, -0.116887542, 0.125242)),
+        r"no slip of the rod.* a lower",
+    )
     refused(model.push, *push, told=told, kind=UnsupportedContact)
     assert replace(model, pusher=Pusher(friction=0.5)).push(*push).travel > 0.0
 
