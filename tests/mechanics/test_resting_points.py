@@ -91,7 +91,7 @@ def landings(model, theta):
 
 
 def test_steps_end_on_kinks_whatever_the_accuracy():
-    """A drag that is asked for a hundred thousand times as exact passes the same rests of points, and ends steps there."""
+    """A drag asked for a hundred thousand times as exact passes the same rests of points, and ends steps there."""
     seen = 0
     for theta in ORIENTATIONS:
         coarse, fine = (landings(on_points(8, accuracy), theta) for accuracy in (1e-6, 1e-11))
