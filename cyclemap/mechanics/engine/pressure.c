@@ -190,13 +190,12 @@ static void add_speeds(Friction *f, const Sums *sums, double load) {
 static ALWAYS_INLINE void sum_points(const Frame *frame, const double *rows, int64_t count,
                                      int stride, int place, int share, int is_near, Sums *sums) {
     for (int64_t i = 0; i < count; i += LANES, rows += LANES * stride) {
-        const double *at = rows + place;
-        Lanes x = {at[X]}, y = {at[Y]}, part = {rows[share]};
-        if (i + 1 < count) {
-            x[1] = at[stride + X];
-            y[1] = at[stride + Y];
-            part[1] = rows[stride + share];
-        }
+        /* the last one stands twice, once without load */
+        int is_pair = i + 1 < count;
+        const double *next = is_pair ? rows + stride : rows, *at = rows + place;
+        const double *at_next = next + place;
+        Lanes x = {at[X], at_next[X]}, y = {at[Y], at_next[Y]};
+        Lanes part = {rows[share], is_pair ? next[share] : 0.0};
         if (is_near) add_moving(frame, &x, &y, &part, sums);
         else add_places(frame, &x, &y, &part, sums);
     }
