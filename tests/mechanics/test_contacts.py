@@ -96,13 +96,28 @@ def test_pushes_that_do_not_touch_or_start_inside_and_a_tripod_of_a_micrometre_a
 
 
 def test_a_push_that_no_slip_balances_is_refused():
-    """However fast this disc turns about the support point at its centre, the force stays inside the friction cone."""
+    """However fast the rod slips, the force of this strongly one-sided friction of two points stays inside its cone."""
+    slider, law = Slider.mit("tri1"), EllipseFriction(0.184621216, 0.118933260, -0.023441769, -0.111881219, 0.218223227)
+    feet = PointFootprint(((-0.030424356, 0.039849053), (-0.013999353, -0.003751398)), (0.776174908, 0.223825092))
+    model = QuasiStaticModel(slider, law, Pusher(friction=1.07286), feet)
+    push, told = (
+        (Pose(theta=-1.65369732), SidePush(2, 0.100212143, -0.116887542, 0.125242)),
+        r"no slip of the rod.* a lower",
+    )
+    refused(model.push, *push, told=told, kind=UnsupportedContact)
+    assert replace(model, pusher=Pusher(friction=0.5)).push(*push).travel > 0.0
+
+
+def test_a_rod_leaves_a_disc_as_the_point_at_its_centre_comes_to_rest():
+    """The centre's velocity lies along the rod's way exactly as long as the rod comes nearer: both end at once."""
     slider = Slider(Ellipse(0.0217, 0.0217), mass=0.9)
     law = EllipseFriction(0.2442, 0.6212, -0.0650, -0.4432, 4.1806)
     model = QuasiStaticModel(slider, law, Pusher(0.002, 1.2), grid_footprint(slider.outline, 3))
-    push, told = (Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1)), r"no slip of the rod.* friction 1\.2: .*a lower"
-    refused(model.push, *push, told=told, kind=UnsupportedContact)
-    assert replace(model, pusher=Pusher(0.002, 1.0)).push(*push).travel > 0.0
+    push = model.push(Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1))
+    assert push.ended == "left" and set(push.trajectory.mode) == {"stick"}
+    toward = push.trajectory.pusher[-1] - push.trajectory.pusher[0]
+    outward = push.trajectory.pusher[-1] - push.trajectory.contact_point[-1]
+    assert abs(toward @ outward) < 1e-8 * np.hypot(*toward) * np.hypot(*outward)
 
 
 def from_a_corner(radius, accuracy):

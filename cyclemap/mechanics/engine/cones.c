@@ -289,7 +289,7 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
     const double about[] = {[VX] = twist[VX] - twist[OMEGA] * middle[Y],
                             [VY] = twist[VY] + twist[OMEGA] * middle[X], [OMEGA] = twist[OMEGA]};
     Friction f;
-    begin_sums(&f, about, m, toward);
+    begin_sums(&f, about, m, toward, 0);
     Cones c;
     begin_cones(&c, &f, quadratic, is_far, at->digits);
     if (!is_far && !toward) add_pressed_sides(&c, at);

@@ -27,6 +27,9 @@ typedef struct {
 typedef struct {
     int mode, piece;
     double p[PARAMETERS], z[UNKNOWN_SIZE];
+    int64_t watched; /* the support point by whose velocity z is told, or -1 (rest.c) */
+    double side;     /* on which side of its rest it moves */
+    int rests;
     /* at the start of a step: derivatives of the unknowns by the state, and those of the slopes */
     double toward[UNKNOWN_SIZE * STATE_SIZE], reached[STATE_SIZE * (STATE_SIZE + MOST_VARIED)];
     int has_tangent, has_reached;
@@ -41,8 +44,10 @@ static int slides(const Motion *m) { return law_of(m) == LAW_SLIDE; }
 static int is_held(const Motion *m) { return MODE_HELD[m->mode]; }
 
 /* Whether the contact changes where a margin falls below zero: not in the ring, nor where the
-   object is held. */
-static int has_margins(const Motion *m) { return place_of(m) != AT_RING && !is_held(m); }
+   object is held; where a support point comes to rest, everywhere. */
+static int has_margins(const Motion *m) {
+    return m->watched >= 0 || (place_of(m) != AT_RING && !is_held(m));
+}
 
 static int unknowns(const Motion *m) { return UNKNOWNS[law_of(m)]; }
 
@@ -64,7 +69,7 @@ static void face(Motion *m) {
 
 static Motion motion_of(const Stroke *r, int mode, int piece, double spin, double slip) {
     const Object *o = r->object;
-    Motion m = {.mode = mode, .piece = piece, .z = {spin, slip}};
+    Motion m = {.mode = mode, .piece = piece, .z = {spin, slip}, .watched = -1};
     m.p[DIRECTION] = r->direction;
     m.p[RADIUS] = place_of(&m) == AT_RING ? 0.0 : o->radius;
     m.p[SMU] = SIGN[mode] * r->friction;
@@ -85,27 +90,28 @@ static void begin(const Stroke *r, const Motion *m, const double *state, const d
     BEGIN[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
 }
 
-/* Wrench and Hessian of friction at a state: what all contacts balance. */
+/* Wrench and Hessian of friction at a state: what all contacts balance. apart: the row of a support
+   point that is left out, or null. */
 static void friction_on(const Stroke *r, const double *state, const Begun *b, int *is_far,
-                        double *friction) {
+                        const double *apart, double *friction) {
     const Pressure *pressure = &r->object->pressure;
     if (is_pressed(pressure)) press(pressure, state[THETA], r->pressed);
-    friction_at(pressure, r->pressed, b->twist, b->matrix, is_far, friction);
+    friction_at(pressure, r->pressed, b->twist, b->matrix, is_far, apart, friction);
 }
 
 /* Derivatives of its wrench where it was found last, by columns: by mu_a, mu_b, alpha (not all: by
    alpha alone), by theta through the pressure, and by OF_PRESSURE. */
-static void friction_varies(const Stroke *r, const Begun *b, int all, double *by_law,
-                            double *by_turning, double *by_pressure) {
+static void friction_varies(const Stroke *r, const Begun *b, int all, const double *apart,
+                            double *by_law, double *by_turning, double *by_pressure) {
     const Pressure *pressure = &r->object->pressure;
-    friction_by_law(pressure, r->pressed, b->twist, b->matrix, r->is_far, !all, by_law);
+    friction_by_law(pressure, r->pressed, b->twist, b->matrix, r->is_far, !all, apart, by_law);
     memset(by_turning, 0, WRENCH * sizeof(double));
     if (is_pressed(pressure)) {
         friction_by_turning(pressure, r->pressed, b->twist, b->matrix, r->is_far, by_turning);
         if (all)
             friction_by_shapes(pressure, r->pressed, b->twist, b->matrix, r->is_far,
                                by_pressure + WRENCH * SHARES);
-    } else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, by_pressure);
+    } else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, apart, by_pressure);
 }
 
 static void finish(const Motion *m, const Begun *b, const double *z, const double *wrench,
@@ -115,14 +121,23 @@ static void finish(const Motion *m, const Begun *b, const double *z, const doubl
     FINISH[law_of(m)](given, results, 0, 0, 0);
 }
 
+/* Of a motion with a watched support point (rest.c). */
+static double iterate_watched(Stroke *r, const Motion *m, const double *state, const double *polar,
+                              double *row, double *report);
+static double iterate_resting(Stroke *r, const Motion *m, const double *state, double *row,
+                              double *report);
+static int evaluate_watched(Stroke *r, Motion *m, const double *state, double *row, double *report);
+
 /* One Newton iteration: the row of the motion at a state, its unknowns corrected. Returns the size
    of the residual. */
 static double iterate(Stroke *r, const Motion *m, const double *state, const double *z, double *row,
                       double *report) {
     Begun b;
     double friction[FRICTION_SIZE];
+    if (m->rests) return iterate_resting(r, m, state, row, report);
+    if (m->watched >= 0) return iterate_watched(r, m, state, z, row, report);
     begin(r, m, state, z, &b);
-    friction_on(r, state, &b, &r->is_far, friction);
+    friction_on(r, state, &b, &r->is_far, 0, friction);
     finish(m, &b, z, friction, row, report);
     memcpy(row, state, STATE_SIZE * sizeof(double));
     return fabs(report[RESIDUAL]);
@@ -259,11 +274,11 @@ static const double *support(const Stroke *r, int64_t index) {
     return p->rows + ROW_COLUMNS * (p->first_row[part_of_points(r)] + index);
 }
 
-/* Slip about one support point: spin and slip in z, and forces; whether friction could hold it
-   there. */
-static int slips_about(const Stroke *r, const Motion *m, const double *state, int64_t index,
-                       double *z, Force *force) {
-    const double *pin = support(r, index) + ROW_GEOMETRY, smu = m->p[SMU];
+/* Slip about one support point: spin and slip in z, the force, and the friction that holds the
+   point: of its image, as a share of its load. Returns what share is left, -inf where none would do. */
+static double slips_about(const Stroke *r, const Motion *m, const double *state, int64_t index,
+                          double *z, Force *force, double *holding) {
+    const double *row = support(r, index), *pin = row + ROW_GEOMETRY, smu = m->p[SMU];
     Begun b;
     const double still[UNKNOWN_SIZE] = {0.0};
     begin(r, m, state, still, &b);
@@ -271,37 +286,32 @@ static int slips_about(const Stroke *r, const Motion *m, const double *state, in
     double c = f[FRAME_COSINE], s = f[FRAME_SINE];
     double x = f[FRAME_X] - pin[POINT_X], y = f[FRAME_Y] - pin[POINT_Y];
     double inward = c * y - s * x, dx = -c - smu * s, dy = -s + smu * c, arm = x * dy - y * dx;
-    if (inward == 0.0 || arm == 0.0) return 0;
+    if (inward == 0.0 || arm == 0.0) return -INFINITY;
     z[SPIN] = 1.0 / inward;
     z[SLIP] = z[SPIN] * (c * x + s * y);
     begin(r, m, state, z, &b);
     /* the friction of all others, and its torque about the point */
-    double share = r->object->pressure.load[part_of_points(r)];
-    double all[FRICTION_SIZE], load = support(r, index)[ROW_LOAD] * share;
+    double others[FRICTION_SIZE];
     int is_far = 0;
-    friction_on(r, state, &b, &is_far, all);
-    Friction own;
-    begin_sums(&own, b.twist, b.matrix, 0);
-    const double alone[NODE_COLUMNS] = {pin[POINT_X], pin[POINT_Y], 1.0};
-    add_points(&own, alone, 1, NODE_COLUMNS, NODE_PLACE, NODE_SHARE, load);
-    double fx = all[FORCE_X] - own.friction[FORCE_X], fy = all[FORCE_Y] - own.friction[FORCE_Y];
-    double turning = all[TORQUE] - own.friction[TORQUE], gx = fx + f[FRAME_FORCE_X];
-    double gy = fy + f[FRAME_FORCE_Y];
-    double torque = turning + f[FRAME_TORQUE] - (pin[POINT_X] * gy - pin[POINT_Y] * gx);
+    friction_on(r, state, &b, &is_far, row, others);
+    double gx = others[FORCE_X] + f[FRAME_FORCE_X], gy = others[FORCE_Y] + f[FRAME_FORCE_Y];
+    double torque = others[TORQUE] + f[FRAME_TORQUE] - (pin[POINT_X] * gy - pin[POINT_Y] * gx);
     double size = torque / arm;
     *force = (Force){size, size * smu};
     /* what is left for the point lies within its own ellipse: |M^-T rest| <= load */
+    double load = row[ROW_LOAD] * r->object->pressure.load[part_of_points(r)];
     double px = size * dx - gx, py = size * dy - gy, *n = b.matrix;
-    double det = n[M_XX] * n[M_YY] - n[M_YX] * n[M_XY];
-    double rest = hypot(n[M_YY] * px - n[M_YX] * py, n[M_XX] * py - n[M_XY] * px);
-    return size > 0.0 && rest <= load * fabs(det);
+    double all = load * (n[M_XX] * n[M_YY] - n[M_YX] * n[M_XY]);
+    holding[X] = (n[M_YY] * px - n[M_YX] * py) / all;
+    holding[Y] = (n[M_XX] * py - n[M_XY] * px) / all;
+    return size > 0.0 && !is_far ? 1.0 - hypot(holding[X], holding[Y]) : -INFINITY;
 }
 
 static int settled_about(Stroke *r, Motion *m, const double *state, int64_t index, double *row,
                          double *report) {
-    double z[UNKNOWN_SIZE];
+    double z[UNKNOWN_SIZE], holding[2];
     Force force;
-    if (index < 0 || !slips_about(r, m, state, index, z, &force)) return 0;
+    if (index < 0 || slips_about(r, m, state, index, z, &force, holding) < 0.0) return 0;
     r->pinned = index;
     memcpy(m->z, z, sizeof z);
     settle_with(r, m, state, force, row, report);
@@ -386,6 +396,7 @@ static int evaluate(Stroke *r, Motion *m, const double *state, double *row, doub
         report[CORRECTION] = report[RESIDUAL] = 0.0;
         return 1;
     }
+    if (m->watched >= 0) return evaluate_watched(r, m, state, row, report);
     if (slides(m) && r->pinned >= 0 && settled_about(r, m, state, r->pinned, row, report)) return 1;
     for (int i = 0;; ++i) {
         double residual = iterate(r, m, state, m->z, row, report);

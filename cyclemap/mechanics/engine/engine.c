@@ -10,6 +10,7 @@
    friction.c  friction of either pressure, and its derivatives
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns,
                solved until certain
+   rest.c      support points that come to rest
    step.c      one step of a motion, its error, its length, and how its end varies with its start
                and parameters
    phase.c     a motion until its contact changes
@@ -74,6 +75,7 @@ enum { X, Y };
 #include "cones.c"
 #include "friction.c"
 #include "contact.c"
+#include "rest.c"
 #include "step.c"
 #include "phase.c"
 #include "stroke.c"

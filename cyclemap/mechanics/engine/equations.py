@@ -529,7 +529,7 @@ def _rate(law: str, frame: ca.SX, p: ca.SX, z: ca.SX) -> tuple[ca.SX, ca.SX, ca.
 def _finish(law: str) -> ca.Function:
     """(frame, parameters, unknowns, friction) -> row, report, as schema.py has them.
 
-    The row without its state; the two last margins are the law's. Its unknowns are the corrected
+    The row without its state. Its unknowns are the corrected
     ones.
     """
     count = LAWS[law]
@@ -560,7 +560,9 @@ def _finish(law: str) -> ca.Function:
     }
     of_law = _wedge_margins(frame, p, first, second) if law == "wedge" else margins[law]
     ends = (1, 1, 1) if law in ("turn", "wedge") else (at.approach, at.after_low, at.before_high)
-    row = ca.vertcat(theta_rate, rate, *ends, *of_law, corrected, *(0,) * (UNKNOWN.size - count))
+    # Whether support points rest is told by rest.c.
+    all_margins = (*ends, *of_law, 1)
+    row = ca.vertcat(theta_rate, rate, *all_margins, corrected, *(0,) * (UNKNOWN.size - count))
     report = ca.vertcat(ca.mmax(ca.fabs(step)), _size(residual), first, second)
     return function_of(f"finish_{law}", [frame, p, z, given], [row, report])
 

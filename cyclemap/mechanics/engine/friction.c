@@ -2,9 +2,10 @@
    pressed (foundation.c, cones.c), which the caller keeps for the orientation at hand. */
 
 /* Wrench and Hessian. is_far: the regime of the last call and of this one, which changes a little
-   late, so that small steps do not cross from one rounding to another. */
+   late, so that small steps do not cross from one rounding to another. apart: the row of a support
+   point that is left out, unless it is far, or null. */
 static void friction_at(const Pressure *pressure, const Pressed *pressed, const double *twist,
-                        const double *m, int *is_far, double *friction) {
+                        const double *m, int *is_far, const double *apart, double *friction) {
     double from = is_pressed(pressure) ? FOUNDATION_FAR[pressed->digits] : pressure->far;
     *is_far = from < INFINITY && is_beyond(pressure, twist, m, from * (*is_far ? 0.7 : 1.7));
     if (is_pressed(pressure)) {
@@ -12,14 +13,15 @@ static void friction_at(const Pressure *pressure, const Pressed *pressed, const 
         return;
     }
     Friction f;
-    begin_sums(&f, twist, m, 0);
+    begin_sums(&f, twist, m, 0, *is_far ? 0 : apart);
     add_loads(&f, pressure, *is_far);
     memcpy(friction, f.friction, sizeof f.friction);
 }
 
 /* Derivatives of the wrench by mu_a, mu_b and alpha, by columns; only_angle: by alpha alone. */
 static void friction_by_law(const Pressure *pressure, const Pressed *pressed, const double *twist,
-                            const double *m, int is_far, int only_angle, double *by_law) {
+                            const double *m, int is_far, int only_angle, const double *apart,
+                            double *by_law) {
     enum { HALF_AXES = 2, COUNT };
     double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
     const double toward[COUNT][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
@@ -35,7 +37,7 @@ static void friction_by_law(const Pressure *pressure, const Pressed *pressed, co
             sum_pressed(pressure, pressed, pressed->pressure, twist, m, toward[k], is_far, by);
             continue;
         }
-        begin_sums(&f, twist, m, toward[k]);
+        begin_sums(&f, twist, m, toward[k], apart);
         add_loads(&f, pressure, is_far);
         memcpy(by, f.friction, WRENCH * sizeof(double));
     }
@@ -52,7 +54,7 @@ EXPORT void cm_friction(const Pressure *pressure, double theta, const double *ma
         int is_far = 0;
         const double *v = twists + TWIST_SIZE * i;
         double *speed = values + (1 + FRICTION_SIZE) * i, *wrench = speed + 1;
-        friction_at(pressure, &pressed, v, matrix, &is_far, wrench);
+        friction_at(pressure, &pressed, v, matrix, &is_far, 0, wrench);
         *speed = v[VX] * wrench[FORCE_X] + v[VY] * wrench[FORCE_Y] + v[OMEGA] * wrench[TORQUE];
     }
 }

@@ -244,7 +244,6 @@ def _tables() -> str:
     coefficients = np.array([row + (0.0,) * (STAGES - 1 - len(row)) for row in ROWS])
     nodes, weights = np.polynomial.legendre.leggauss(PANEL_ORDER)
     order = [i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [STAGES]
-    nearest = [int(np.argmin(np.abs(PLACES[: max(i, 1)] - PLACES[i]))) for i in range(STAGES + 1)]
     counts = {
         "STAGES": STAGES,
         "ORDER": ORDER,
@@ -260,7 +259,7 @@ def _tables() -> str:
     # The half axis of Bernstein's ellipse from which a rule serves.
     reach = np.cosh(np.array(BOUNDARY_DIGITS)[:, None] / (2.0 * np.array(BOUNDARY_RULES)))
     lines = [enum_of(counts)]
-    integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest}
+    integers = {"STAGE_ORDER": order}
     angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])
     integers["FIRST_NODE"] = np.cumsum([0, *(count // 2 for count in RULES)]).tolist()
     integers["RULES"] = list(RULES)

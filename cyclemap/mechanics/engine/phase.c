@@ -18,7 +18,11 @@ static const double DIP = 30.0;
 static const double STUCK = 1e-8;
 /* Steps above this share of the length are made in one go or not at all: shorter ones are cheaper
    than certainty. */
-static const double SHORT = 0.01;
+static const double SHORT = 1e-5;
+/* Where polar unknowns are not found in steps this short, over the length, plain ones are tried. */
+static const double UNWATCHED = 1e-5;
+/* Steps go no farther than this many times to where a point passes its rest. */
+static const double OVERSHOOT = 1.2;
 enum { NOTHING = -100, MOST_STEPS = 20000 };
 
 /* Where a stroke is written down, as long as there is room. */
@@ -77,7 +81,7 @@ static void first_crossing(const Step *taken, const double *slack, int *index, d
    one that slides has just come to rest, so that the force that it needs to stick is inside as
    well. */
 static double goal_of(const Motion *m, int broken) {
-    if (broken < FIRST) return 0.0;
+    if (broken < FIRST || broken == RESTS) return 0.0;
     return slides(m) ? -0.5 : 0.5;
 }
 
@@ -103,7 +107,7 @@ static int land(Stroke *r, Motion *m, const double *start, const double *slack, 
         }
         *taken = tried;
         double *end = taken->rows[STAGES], report[REPORT];
-        if (m->mode == STICK && broken >= FIRST) {
+        if (m->mode == STICK && (broken == FIRST || broken == SECOND)) {
             /* forces count to their last digits, which coarse steps do not reach */
             memcpy(m->z, end + UNKNOWN, sizeof m->z);
             if ((found = evaluate(r, m, end, end, report)) < 0) return found;
@@ -114,7 +118,8 @@ static int land(Stroke *r, Motion *m, const double *start, const double *slack, 
             slope = place = before = NAN;
         }
         double margin = end[MARGIN + broken] / slack[broken] - goal_of(m, broken);
-        if (fabs(margin) <= (broken < FIRST ? 1.0 : 0.5) || h <= LEAST_ADVANCE) return broken;
+        double near = goal_of(m, broken) == 0.0 ? 1.0 : 0.5;
+        if (fabs(margin) <= near || h <= LEAST_ADVANCE) return broken;
         if (high - low <= 1e-13) {
             /* it jumps here: the side where it still holds counts */
             if (has_kept) *taken = kept;
@@ -172,13 +177,29 @@ static int record(Stroke *r, Motion *m, const double *row) {
     return 1;
 }
 
+/* Whether polar unknowns no longer serve in a step: they are not found, or a contact that sticks
+   has its balance from elsewhere. */
+static int is_lost(const Motion *m, const Step *taken, int found, double tried, double length,
+                   double tolerance) {
+    if (m->watched < 0) return 0;
+    if (!found) return tried <= UNWATCHED * length;
+    const double *end = taken->rows[STAGES];
+    return taken->error <= tolerance && end[MARGIN + RESTS] >= 0.0 && !is_watchable(m, end);
+}
+
+/* Whether the friction of a point was used up before it passed its rest. */
+static int is_used_up(const Motion *m, const Step *taken) {
+    const double *end = taken->rows[STAGES];
+    return m->watched >= 0 && end[MARGIN + RESTS] < 0.0 && !is_watchable(m, end);
+}
+
 /* Integrates a motion over a length or until a margin falls below zero: returns which, NOTHING, or
    why it cannot. */
-static int integrate(Stroke *r, Motion *m, double *state, double length, double *next_h,
-                     double *done, Step *taken) {
+static int integrate_watching(Stroke *r, Motion *m, double *state, double length, double *next_h,
+                              double *done, Step *taken) {
     double h = *next_h, first_h = *next_h, tolerance = r->object->tolerance, slack[MARGINS];
     double loose[MARGINS], ends[MARGINS], row[ROW], report[REPORT], value;
-    int refused = 0, count = 0, found = evaluate(r, m, state, row, report);
+    int refused = 0, count = 0, is_blocked = 0, found = evaluate(r, m, state, row, report);
     set_slack(r, m, slack);
     memcpy(loose, slack, sizeof loose);
     loose[FIRST] = loose[SECOND] = SLACK_SHARE * sqrt(tolerance);
@@ -186,18 +207,29 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
     memcpy(ends, slack, sizeof ends);
     if (slides(m)) loose[APPROACH] = ends[APPROACH] = loose[FIRST];
     if (found < 0 || (found = record(r, m, row)) < 0) return found;
+    watch(r, m, row);
     m->has_tangent = m->has_reached = 0;
     for (*done = 0.0; *done < length;) {
         if (r->stop && *r->stop) return STOPPED;
         if (++r->steps > MOST_STEPS) return MANY_STEPS;
         if (h < 1e-15 * length) return UNSOLVED;
         double tried = fmin(fmin(h, length - *done), r->longest), lowest = INFINITY;
+        tried = fmin(tried, OVERSHOOT * rest_ahead(r, m, row));
         int broken = NOTHING;
         found = attempt(r, m, row, tried, tried > SHORT * length, taken);
         if (found < 0) return found;
+        if (is_lost(m, taken, found, tried, length, tolerance)) {
+            unwatch(r, m, row);
+            m->has_tangent = 0;
+            is_blocked = 1;
+            continue;
+        }
+        /* what is told beyond such a rest is void */
+        if (found && is_used_up(m, taken)) found = 0;
         if (!found || !(taken->error <= tolerance)) {
             int ended = least(row, ends, &value);
-            if (count && has_margins(m) && tried <= fmax(tolerance, STUCK) && value <= 1.0) {
+            if (count && has_margins(m) && tried <= fmax(tolerance, STUCK) && value <= 1.0
+                && ended != RESTS) {
                 *next_h = first_h;
                 return ended;
             }
@@ -234,9 +266,28 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
         if (taken->h == h) h = fmin(longer, refused ? h : INFINITY);
         refused = 0;
         *next_h = h;
-        if (broken != NOTHING) return broken;
+        if (broken != NOTHING && broken != RESTS) return broken;
         if (length - *done <= 1e-14 * length) break;
+        if (broken == RESTS) {
+            if ((found = change_rest(r, m, row)) < 0) return found;
+            memcpy(taken->rows[STAGES], row, sizeof row);
+            /* the point's friction turns as it passes its rest, and with it the rod's force */
+            broken = least(row, slack, &value);
+            if (has_margins(m) && value < -1.0 && broken != RESTS) return broken;
+        } else if (m->watched < 0 || !(m->rests || stays_watched(r, m, row))) {
+            unwatch(r, m, row);
+            if (!is_blocked) watch(r, m, row);
+            is_blocked = 0;
+        }
     }
     *next_h = h;
     return NOTHING;
+}
+
+/* The same, beginning and ending with plain unknowns. */
+static int integrate(Stroke *r, Motion *m, double *state, double length, double *next_h,
+                     double *done, Step *taken) {
+    int found = integrate_watching(r, m, state, length, next_h, done, taken);
+    if (found >= 0 || found == NOTHING) unwatch(r, m, taken->rows[STAGES]);
+    return found;
 }

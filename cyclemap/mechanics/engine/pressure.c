@@ -8,6 +8,7 @@ enum { WRENCH = XX };
    null. */
 typedef struct {
     const double *twist, *matrix, *toward;
+    const double *apart; /* the row of a support point that is left out, or null */
     double scale; /* of patches: the area over the image's */
     double sums[6], friction[FRICTION_SIZE];
     int is_summed;
@@ -140,12 +141,68 @@ static ALWAYS_INLINE void add_places(const Frame *e, const Lanes *x, const Lanes
     sums->of[WW] += k * spin * spin;
 }
 
+/* The same without what follows from homogeneity while the centre of rotation is not distant: |w|
+   in place of the torque, and of the Hessian the part by the velocity. */
+static ALWAYS_INLINE void add_moving(const Frame *e, const Lanes *x, const Lanes *y,
+                                     const Lanes *share, Sums *sums) {
+    const double *t = e->spin, omega = e->omega;
+    Lanes wx = e->middle[X] + (omega * t[M_XX] * *x + omega * t[M_XY] * *y);
+    Lanes wy = e->middle[Y] + (omega * t[M_YX] * *x + omega * t[M_YY] * *y);
+    Lanes speed = wx * wx + wy * wy + 1e-300;
+    speed = rooted(speed);
+    Lanes slowness = 1.0 / speed, ux = wx * slowness, uy = wy * slowness;
+    Lanes fx = *share * ux, fy = *share * uy, kx = fx * slowness, ky = fy * slowness;
+    sums->of[FORCE_X] += fx;
+    sums->of[FORCE_Y] += fy;
+    sums->of[TORQUE] += *share * speed;
+    sums->of[XX] += ky * uy;
+    sums->of[XY] -= ky * ux;
+    sums->of[YY] += kx * ux;
+}
+
+/* Such sums as those of sides: D, the force and the Hessian by the velocity. */
+static void add_speeds(Friction *f, const Sums *sums, double load) {
+    const double *m = f->matrix;
+    double s[FRICTION_SIZE];
+    for (int i = 0; i <= YY; ++i) s[i] = total(&sums->of[i]);
+    double ax = m[M_XX] * s[XX] + m[M_YX] * s[XY], ay = m[M_XX] * s[XY] + m[M_YX] * s[YY];
+    double bx = m[M_XY] * s[XX] + m[M_YY] * s[XY], by = m[M_XY] * s[XY] + m[M_YY] * s[YY];
+    const double added[6] = {
+        s[TORQUE],
+        m[M_XX] * s[FORCE_X] + m[M_YX] * s[FORCE_Y],
+        m[M_XY] * s[FORCE_X] + m[M_YY] * s[FORCE_Y],
+        ax * m[M_XX] + ay * m[M_YX],
+        ax * m[M_XY] + ay * m[M_YY],
+        bx * m[M_XY] + by * m[M_YY],
+    };
+    add(f->sums, added, load, 6);
+    f->is_summed = 1;
+}
+
+static ALWAYS_INLINE void sum_points(const Frame *frame, const double *rows, int64_t count,
+                                     int stride, int place, int share, int is_near, Sums *sums) {
+    for (int64_t i = 0; i < count; i += LANES, rows += LANES * stride) {
+        /* the last one stands twice, once without load */
+        int is_pair = i + 1 < count;
+        const double *next = is_pair ? rows + stride : rows, *at = rows + place;
+        const double *at_next = next + place;
+        Lanes x = {at[X], at_next[X]}, y = {at[Y], at_next[Y]};
+        Lanes part = {rows[share], is_pair ? next[share] : 0.0};
+        if (is_near) add_moving(frame, &x, &y, &part, sums);
+        else add_places(frame, &x, &y, &part, sums);
+    }
+}
+
 static void move_point(Friction *f, double x, double y, double load) {
     double found[WRENCH], *results[] = {found};
     const double place[] = {x, y}, *given[] = {f->twist, f->matrix, place, f->toward};
     point_toward(given, results, 0, 0, 0);
     add(f->friction, found, load, WRENCH);
 }
+
+/* Centres of rotation farther than this (extents, in the velocity plane) leave homogeneity too few
+   digits. */
+static const double DISTANT = 4.0;
 
 /* Points in rows of `stride`, their places and shares of the load at these columns. */
 static void add_points(Friction *f, const double *rows, int64_t count, int stride, int place,
@@ -155,21 +212,17 @@ static void add_points(Friction *f, const double *rows, int64_t count, int strid
     if (f->toward) {
         for (int64_t i = 0; i < count; ++i, rows += stride) {
             const double *at = rows + place;
-            move_point(f, at[X], at[Y], load * rows[share]);
+            if (rows != f->apart) move_point(f, at[X], at[Y], load * rows[share]);
         }
         return;
     }
-    for (int64_t i = 0; i + 1 < count; i += LANES, rows += LANES * stride) {
-        const double *next = rows + stride, *at = rows + place, *at_next = next + place;
-        Lanes x = {at[X], at_next[X]}, y = {at[Y], at_next[Y]}, part = {rows[share], next[share]};
-        add_places(&frame, &x, &y, &part, &sums);
+    if (hypot(frame.middle[X], frame.middle[Y]) > DISTANT * fabs(frame.omega)) {
+        sum_points(&frame, rows, count, stride, place, share, 0, &sums);
+        add_sums(f, &frame, &sums, load);
+        return;
     }
-    if (count % LANES) {
-        const double *at = rows + place;
-        Lanes x = {at[X]}, y = {at[Y]}, part = {rows[share]};
-        add_places(&frame, &x, &y, &part, &sums);
-    }
-    add_sums(f, &frame, &sums, load);
+    sum_points(&frame, rows, count, stride, place, share, 1, &sums);
+    add_speeds(f, &sums, load);
 }
 
 static void add_patch(Friction *f, const double *geometry, double load);
@@ -189,7 +242,12 @@ static void add_part(Friction *f, const Pressure *pressure, int part, int is_far
         return;
     }
     if (count && rows[ROW_KIND] == POINT) {
-        add_points(f, rows, count, ROW_COLUMNS, ROW_GEOMETRY, ROW_LOAD, load);
+        int is_whole = !f->apart || f->toward;
+        int64_t before = is_whole ? count : (f->apart - rows) / ROW_COLUMNS;
+        add_points(f, rows, before, ROW_COLUMNS, ROW_GEOMETRY, ROW_LOAD, load);
+        if (is_whole) return;
+        const double *after = f->apart + ROW_COLUMNS;
+        add_points(f, after, count - before - 1, ROW_COLUMNS, ROW_GEOMETRY, ROW_LOAD, load);
         return;
     }
     for (int64_t i = 0; i < count; ++i) {
@@ -203,10 +261,11 @@ static void add_part(Friction *f, const Pressure *pressure, int part, int is_far
 }
 
 static void begin_sums(Friction *f, const double *twist, const double *matrix,
-                       const double *toward) {
+                       const double *toward, const double *apart) {
     f->twist = twist;
     f->matrix = matrix;
     f->toward = toward;
+    f->apart = apart;
     f->is_summed = 0;
     double det = matrix[M_XX] * matrix[M_YY] - matrix[M_YX] * matrix[M_XY];
     f->scale = 1.0 / (twist[OMEGA] * twist[OMEGA] * det);
@@ -243,7 +302,7 @@ static int is_beyond(const Pressure *pressure, const double *twist, const double
 /* Derivatives of the wrench by the shares of the pressure, at the expense of the even one; by
    columns, zero by those that the footprint cannot have. */
 static void friction_by_shares(const Pressure *pressure, const double *twist, const double *m,
-                               int is_far, double *by) {
+                               int is_far, const double *apart, double *by) {
     double even[WRENCH] = {0.0};
     memset(by, 0, WRENCH * SHARES * sizeof(double));
     Friction f;
@@ -251,7 +310,7 @@ static void friction_by_shares(const Pressure *pressure, const double *twist, co
         int share = SHARE_OF_PART[part], balance = BALANCE_OF_PART[part];
         if (part != EVEN && share < 0) continue;
         if (pressure->first_row[part] == pressure->first_row[part + 1]) continue;
-        begin_sums(&f, twist, m, 0);
+        begin_sums(&f, twist, m, 0, part == CORNERS ? apart : 0);
         add_part(&f, pressure, part, is_far, 1.0);
         if (balance >= 0) add_part(&f, pressure, balance, is_far, 1.0);
         end_sums(&f);

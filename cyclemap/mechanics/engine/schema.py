@@ -115,8 +115,9 @@ FRAME = Columns(
 TWIST = Columns("TWIST_SIZE", "", "vx vy omega")
 MATRIX = Columns("MATRIX_SIZE", "M_", "xx yx xy yy")
 FRICTION = Columns("FRICTION_SIZE", "", "force_x force_y torque xx xy yy xw yw ww")
-# Margins: where one falls below zero a contact changes. The last two are the law's.
-MARGIN = Columns("MARGINS", "", "approach after_low before_high first second")
+# Margins: where one falls below zero a contact changes. Two are the law's; the last one is of a
+# support point that comes to rest or sets out.
+MARGIN = Columns("MARGINS", "", "approach after_low before_high first second rests")
 # A motion at a state; slopes are by the rod's travel.
 MOMENT = Columns(
     "ROW", "", f"state:{STATE.size} slope:{STATE.size} margin:{MARGIN.size} unknown:{UNKNOWN.size}"

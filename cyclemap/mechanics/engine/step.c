@@ -1,15 +1,14 @@
 /* Runge-Kutta steps of a motion, and how their ends vary.
 
    All stages of a step are solved by a Newton iteration each: from the tangent at its start and
-   what earlier stages bend off it, on support points from the nearest stage. The last corrections
+   what earlier stages bend off it; a second one where the first corrects much. The last corrections
    tell whether they converged; where they did not, the step is made again from there, or stage by
    stage until certain. */
 
 /* A step counts when what Newton's last correction leaves, about its square, is off by this share
-   of its tolerance over its length; over support points by this share of the correction, since
-   friction bends the more abruptly the slower one of them is. It is made again this often at
-   most. */
-static const double LEFT_OVER = 0.05, AT_POINTS = 0.3;
+   of its tolerance over its length. It is made again this often at most, and as long as corrections
+   become that much smaller each time. */
+static const double LEFT_OVER = 0.05, HOPELESS = 0.3;
 enum { AGAIN = 3 };
 /* The share of the rough estimate (generate.py) that counts, and the bounds of the next step's
    length. */
@@ -24,7 +23,7 @@ static const double SOLVED = 1e-7;
    first. */
 static const double UNSOLVED_MIDDLE = 1e-5;
 
-typedef struct { double h, error, rows[STAGES + 1][ROW]; } Step;
+typedef struct { double h, error, correction, rows[STAGES + 1][ROW]; } Step;
 
 /* Derivatives by `count` parameters, by columns: of the state; and of the motion's own SOURCES
    (rows) by each of them (columns). */
@@ -44,13 +43,34 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
     double friction[FRICTION_SIZE], by_law[3 * WRENCH], by_turning[WRENCH];
     double by_pressure[WRENCH * OF_PRESSURE] = {0.0};
     double correction;
-    begin(r, m, state, z, &b);
-    friction_on(r, state, &b, &r->is_far, friction);
-    friction_varies(r, &b, all, by_law, by_turning, by_pressure);
-    const double *given[] = {state, m->p, z, friction, by_law, by_turning, by_pressure};
+    double plain[UNKNOWN_SIZE];
+    memcpy(plain, z, sizeof plain);
+    if (m->watched >= 0)
+        friction_watched(r, m, state, all, plain, &b, friction, by_law, by_turning, by_pressure);
+    else {
+        begin(r, m, state, z, &b);
+        friction_on(r, state, &b, &r->is_far, 0, friction);
+        friction_varies(r, &b, all, 0, by_law, by_turning, by_pressure);
+    }
+    const double *given[] = {state, m->p, plain, friction, by_law, by_turning, by_pressure};
     double *results[] = {by, toward, &correction};
     (all ? ALL_SLOPES : SLOPES)[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
     return correction;
+}
+
+/* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's
+   method corrects them beside it. */
+static void tangents_aside(Stroke *r, const Motion *m, const double *row, double *toward) {
+    int n = unknowns(m), moves = place_of(m) == AT_OUTLINE ? STATE_SIZE : 1;
+    double beside[ROW], report[REPORT];
+    memset(toward, 0, UNKNOWN_SIZE * STATE_SIZE * sizeof(double));
+    for (int j = 0; j < moves && !m->rests; ++j) {
+        double state[STATE_SIZE] = {row[THETA], row[COORDINATE]};
+        state[j] += ASIDE;
+        iterate(r, m, state, row + UNKNOWN, beside, report);
+        for (int k = 0; k < n; ++k)
+            toward[n * j + k] = (beside[UNKNOWN + k] - row[UNKNOWN + k]) / ASIDE;
+    }
 }
 
 /* Where stage i of a step lies. */
@@ -83,16 +103,16 @@ static void estimate_error(Step *taken, double h) {
 /* A step from a row with its contacts corrected once a stage; whether they count as solved. again:
    from the unknowns it has. */
 static int certified(Stroke *r, Motion *m, int again, const double *start, double h, Step *taken) {
-    int n = unknowns(m), points = is_points(r);
-    int smooth = !points || r->object->pressure.first_row[EVEN + 1] >= 32;
+    int n = unknowns(m);
     double bend[STAGES + 1][UNKNOWN_SIZE], at[STATE_SIZE], z[UNKNOWN_SIZE], report[REPORT];
     double correction = 0.0, tolerance = r->object->tolerance;
     /* around a corner a slip turns the contact the faster the thinner the rod */
     double slow = kind_of(r, m) == KIND_CORNER ? fmin(r->object->radius, 1.0) : 1.0;
-    double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance * slow / h);
+    double allowed = sqrt(LEFT_OVER * tolerance * slow / h);
     /* the tangent at the start is kept: a step that is too long starts again there */
     double by[BY_STATE + STATE_SIZE];
-    if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
+    if (!m->has_tangent && m->watched >= 0) tangents_aside(r, m, start, m->toward);
+    else if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
     m->has_tangent = 1;
     memcpy(taken->rows[0], start, sizeof taken->rows[0]);
     for (int i = 1; i <= STAGES; ++i) {
@@ -100,27 +120,28 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
         place_stage(taken, start, h, i, at);
         if (again) memcpy(z, row + UNKNOWN, sizeof z);
         else {
-            const double *from = taken->rows[smooth ? 0 : NEAREST_STAGE[i]];
             for (int k = 0; k < n; ++k) {
                 const double *toward = m->toward + k;
-                tangent[k] = from[UNKNOWN + k] + toward[n * THETA] * (at[THETA] - from[THETA])
-                             + toward[n * COORDINATE] * (at[COORDINATE] - from[COORDINATE]);
+                tangent[k] = start[UNKNOWN + k] + toward[n * THETA] * (at[THETA] - start[THETA])
+                             + toward[n * COORDINATE] * (at[COORDINATE] - start[COORDINATE]);
                 z[k] = tangent[k];
-                for (int j = 1; smooth && j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
+                for (int j = 1; j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
             }
         }
         iterate(r, m, at, z, row, report);
         /* the next step begins with the end: its balance is what is looked at */
-        if (i == STAGES && (points || !(report[CORRECTION] <= SOLVED))) {
+        if (!(report[CORRECTION] <= (i == STAGES ? SOLVED : allowed))) {
             memcpy(z, row + UNKNOWN, sizeof z);
             iterate(r, m, at, z, row, report);
         }
         if (!again)
             for (int k = 0; k < n; ++k) bend[i][k] = row[UNKNOWN + k] - tangent[k];
-        if (!isfinite(report[CORRECTION])) return 0;
+        taken->correction = goes_around(m, start, row) ? NAN : report[CORRECTION];
+        if (!isfinite(taken->correction)) return 0;
         correction = fmax(correction, report[CORRECTION]);
     }
     estimate_error(taken, h);
+    taken->correction = correction;
     return isfinite(taken->error) && correction <= allowed;
 }
 
@@ -143,8 +164,11 @@ static int attempt(Stroke *r, Motion *m, const double *start, double h, int fast
     double z[UNKNOWN_SIZE];
     memcpy(z, m->z, sizeof z);
     if (is_held(m)) return sure_step(r, m, start, h, taken);
-    for (int k = 0; k <= AGAIN; ++k)
+    double before = INFINITY;
+    for (int k = 0; k <= AGAIN && (k == 0 || taken->correction < HOPELESS * before); ++k) {
+        before = k ? taken->correction : INFINITY;
         if (certified(r, m, k > 0, start, h, taken)) return 1;
+    }
     if (fast) return 0;
     int found = sure_step(r, m, start, h, taken);
     if (found == 1 || h <= LEAST_ADVANCE) return found;
@@ -192,14 +216,16 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     Motion with = *m;
     /* a ring without friction is differentiated by it in the sense in which the object turns */
     if (all && m->mode == RING) with.mode = row[SLOPE] < 0.0 ? RING_RIGHT : RING_LEFT;
-    double correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
-    m->has_tangent = !is_middle && with.mode == m->mode;
-    if (is_kinked(r, m, row) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
+    double correction = 0.0;
+    if (!m->rests) correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
+    m->has_tangent = !is_middle && with.mode == m->mode && m->watched < 0;
+    int is_poor = is_middle && !(correction <= UNSOLVED_MIDDLE);
+    if ((m->watched < 0 && is_kinked(r, m, row)) || is_poor) {
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         if (evaluate(r, m, row, row, report) < 0) return UNSOLVED;
         slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
     }
-    if (is_kinked(r, m, row)) {
+    if (m->rests || (m->watched < 0 && is_kinked(r, m, row))) {
         memset(slopes, 0, sizeof slopes);
         if (slopes_by_differences(r, m, row, sources, slopes) < 0) return UNSOLVED;
     }

@@ -195,7 +195,7 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
     Begun b;
     *m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
     begin(r, m, state, m->z, &b);
-    friction_on(r, state, &b, &r->is_far, friction);
+    friction_on(r, state, &b, &r->is_far, 0, friction);
     const double *f = b.frame, c1 = f[FRAME_COSINE], s1 = f[FRAME_SINE];
     double c2 = f[FRAME_SECOND_COSINE], s2 = f[FRAME_SECOND_SINE], det = c1 * s2 - s1 * c2;
     double gx = friction[FORCE_X] + f[FRAME_FORCE_X], gy = friction[FORCE_Y] + f[FRAME_FORCE_Y];
