@@ -40,9 +40,10 @@ _SAME_ANGLE = math.radians(2.0)
 FEWEST, _MOST = 6, 400
 # Objects that are told of one by one.
 _MOST_TOLD = 2
-# Shares of how far pushes move the object: a reading that is nearer explains them well enough for any friction; one
-# that is farther off explains nothing, be it the best; and one as far off as that is told of.
-_WELL, _EXPLAINS, _FAR = 0.04, 0.25, 0.6
+# Shares of how far pushes move the object, turns by its lever: a reading nearer than the first explains them well enough
+# for any friction; one beyond the second, or with another zero of angles beyond the third, explains nothing, be it the
+# best; and of one beyond the last it is told.
+_WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where directions are spread.
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
 _LENGTHS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "m": 1.0}
@@ -204,8 +205,10 @@ def check_motion(
     best, other = _nearest(found, taken)
     twins = [one for distance, one in found if one != other and distance <= _HARDLY * best + _NOTHING]
     limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
-    moved = float(np.median(np.hypot(*written.moved.T)))
-    explains = best <= min(limit * here, _EXPLAINS * other.length * moved)
+    moved = float(np.median(np.hypot(np.hypot(*written.moved.T), test.lever * written.turn)))
+    turned = other.convention.offset != convention.offset
+    most = (_EXPLAINS_TURNED if turned else _EXPLAINS) * other.length * moved
+    explains = best <= min(limit * here, most)
     if explains and here > _WELL * moved and test.closer(other, taken):
         line = _refusal(test, here, best, taken, other, twins)
         if not told:
