@@ -40,7 +40,7 @@ _SAME_ANGLE = math.radians(2.0)
 FEWEST, _MOST = 6, 400
 # Objects that are told of one by one.
 _MOST_TOLD = 2
-# Shares of how far pushes move the object, turns by its lever: a reading nearer than the first explains them well enough
+# Shares of how far pushes move the object, turns by its lever: a reading nearer than the first explains enough
 # for any friction; one beyond the second, or with another zero of angles beyond the third, explains nothing, be it the
 # best; and of one beyond the last it is told.
 _WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
