@@ -262,9 +262,9 @@ def _understood(
     if "t" in found and len(found["t"]) > _TELLING and "theta1" not in found:
         step = float(np.median(np.abs(np.diff(found["t"]))))
         if 0.0 < step <= _STREAM_STEP:
-            told = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
+            line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
             mend = f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or leave the times out"
-            raise DataFileError(f"{told}: {mend}")
+            raise DataFileError(f"{line}: {mend}")
     if not growing:
         found, more = _ordered(found)
         words += more
