@@ -309,6 +309,7 @@ command(
     """,
     loop_options,
     option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED),
+    table_options,
     select_option,
     option("--pusher-friction", type=_NOT_NEGATIVE, help="Friction of rod and object. [default: 0.25, or as set]"),
     result_options("replay_MATERIAL.png and .json"),

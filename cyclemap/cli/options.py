@@ -265,7 +265,9 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
         return csv_text(convention.table(read_csv_table(data)))
     offset = math.degrees(convention.offset)
     pushes = load_pushes(data, angles=convention.angles, frame=convention.frame, offset_deg=offset).table
-    return str(pushes.drop(columns=["path", "samples", "dx", "dy"]).to_csv(index=False, lineterminator="\n"))
+    # The names by which rods' places are replayed, too.
+    told = pushes.drop(columns=["path", "samples", "dx", "dy"]).rename(columns={"theta0": "th0", "theta1": "th1"})
+    return str(told.to_csv(index=False, lineterminator="\n"))
 
 
 def _pictured(seen: Segments, path: Path) -> Path:

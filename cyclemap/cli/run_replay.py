@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
@@ -25,8 +25,8 @@ COLUMNS = (
 
 
 def run_replay(
-    options: LoopOptions, data: Path, select: tuple[str, ...], pusher_friction: float | None, out: Path,
-    picture_format: str, json_target: str | None,
+    options: LoopOptions, data: Path, table: TableOptions, select: tuple[str, ...], pusher_friction: float | None,
+    out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's friction may be named."""
     loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
@@ -35,9 +35,10 @@ def run_replay(
     if pusher_friction is not None or ("pusher_mu" not in told and found is None):
         pusher = replace(pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction)
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
+    read = readable_data(data, table, out)
     with progress_bar(f"replaying {data.name}") as report:
         replayed = replay_pushes(
-            data,
+            read,
             material.friction,
             pusher=pusher,
             sliders=sliders,
@@ -55,7 +56,7 @@ def run_replay(
         return
     console = PeopleConsole()
     console.print(replay_headline(replayed), style="bold")
-    table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
+    errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors, turns = (
             [f"{scale * row[name]:.2f}" for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")]
@@ -63,8 +64,10 @@ def run_replay(
         )
         motion = f"{1e3 * row['mean_motion']:.1f}", f"{100 * row['relative_error']:.0f} %"
         turn = f"{math.degrees(row['mean_turn']):.1f}", f"{100 * row['relative_turn_error']:.0f} %"
-        table.add_row(str(row["surface"]), str(row["object"]), str(row["count"]), *errors, *motion, *turns, *turn)
-    console.print_table(table)
+        errors_table.add_row(
+            str(row["surface"]), str(row["object"]), str(row["count"]), *errors, *motion, *turns, *turn
+        )
+    console.print_table(errors_table)
     if replayed.not_replayed:
         console.print(f"not replayed: {reasons_of(replayed.not_replayed)}")
     console.print(f"picture: {picture}")

@@ -38,9 +38,12 @@ _HARDLY, _NOTHING = 1.4, 5e-4
 _SAME_ANGLE = math.radians(2.0)
 # Fewer pushes tell a reading from chance no more; more than so many tell nothing new.
 FEWEST, _MOST = 6, 400
-# Shares of how far pushes move the object: a reading that is nearer explains them well enough for any friction; one
-# that is farther off explains nothing, be it the best; and one as far off as that is told of.
-_WELL, _EXPLAINS, _FAR = 0.04, 0.25, 0.6
+# Objects that are told of one by one.
+_MOST_TOLD = 2
+# Shares of how far pushes move the object, turns by its lever: a reading nearer than the first explains enough
+# for any friction; one beyond the second, or with another zero of angles beyond the third, explains nothing, be it the
+# best; and of one beyond the last it is told.
+_WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where directions are spread.
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
 _LENGTHS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "m": 1.0}
@@ -78,7 +81,7 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
         return ()
-    said, table = list[str](), pushes.table
+    said, checks, table = list[str](), list[MotionCheck](), pushes.table
     alone = table[table["dtheta"].isna() & table["theta_next"].notna()]
     if len(alone) == len(table[table["theta_next"].notna()]) and len(alone):
         now, later = (alone[name].to_numpy(dtype=float) for name in ("theta0", "theta_next"))
@@ -93,8 +96,12 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         if loop is None and not told:
             known = None
         found = check_motion(rows, known, pushes.convention, pushes.convention_told)
-        said += [] if found is None else [found.words]
-    return tuple(dict.fromkeys(said))
+        checks += [] if found is None else [found]
+    if len(checks) > _MOST_TOLD:
+        low, high = (1e3 * end([one.distance for one in checks]) for end in (min, max))
+        told = f"read with {pushes.convention.words()}: pushes of {len(checks)} objects end"
+        return (*said, f"{told} {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians")
+    return tuple(dict.fromkeys((*said, *(one.words for one in checks))))
 
 
 def check_orientations(
@@ -198,14 +205,16 @@ def check_motion(
     best, other = _nearest(found, taken)
     twins = [one for distance, one in found if one != other and distance <= _HARDLY * best + _NOTHING]
     limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
-    moved = other.length * float(np.median(np.hypot(*written.moved.T)))
-    explains = best <= min(limit * here, _EXPLAINS * moved)
+    moved = float(np.median(np.hypot(np.hypot(*written.moved.T), test.lever * written.turn)))
+    turned = other.convention.offset != convention.offset
+    most = (_EXPLAINS_TURNED if turned else _EXPLAINS) * other.length * moved
+    explains = best <= min(limit * here, most)
     if explains and here > _WELL * moved and test.closer(other, taken):
         line = _refusal(test, here, best, taken, other, twins)
         if not told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
-    elif loop is not None and min(here, best) > _FAR * moved:
+    elif loop is not None and test.lengths_known and min(here, best) > max(_FAR * moved, test.lever):
         far = f"{test.what} {1e3 * here:.3g} mm off in the median, and not less than {1e3 * best:.3g} mm in any reading"
         warnings.warn(f"{far}: are object, push and units those of the data?", DoubtfulInput, stacklevel=3)
     return MotionCheck(len(rows), convention, here, other.convention, best, _words(test, here, best, taken, other))
@@ -252,7 +261,7 @@ def _unit(reading: _Reading) -> tuple[str, str]:
 
 def _words(test: Any, here: float, best: float, taken: _Reading, other: _Reading) -> str:
     told = f"read with {taken.convention.words()}: {test.what} {1e3 * here:.3g} mm off in the median"
-    if best <= here / _BEATEN:
+    if best <= here / _BEATEN and other.convention != taken.convention:
         mirror = other.convention.words()
         return f"{told}; motions cannot tell that from {mirror} ({1e3 * best:.3g} mm): that is assumed"
     return f"{told}, {1e3 * best:.3g} mm in the next best reading"

@@ -117,6 +117,9 @@ class OwnTable:
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
             columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
+        elif "tip_x1" in columns:
+            # The names by which rods' places are read, too.
+            columns = {{"theta0": "th0", "theta1": "th1"}.get(name, name): one for name, one in columns.items()}
         return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 
@@ -256,6 +259,12 @@ def _understood(
         found["theta0"] = found.pop("theta")
         if "t" in found or "episode" in found:
             words.append("a row a push: its orientation the one before the push")
+    if "t" in found and len(found["t"]) > _TELLING and "theta1" not in found:
+        step = float(np.median(np.abs(np.diff(found["t"]))))
+        if 0.0 < step <= _STREAM_STEP:
+            line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
+            mend = f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or leave the times out"
+            raise DataFileError(f"{line}: {mend}")
     if not growing:
         found, more = _ordered(found)
         words += more

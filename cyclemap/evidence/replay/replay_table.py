@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     FACTS,
     LARGEST_TIP_ERROR,
@@ -173,6 +176,9 @@ def replay_pushes(
     report, chosen = progress or (lambda fraction: None), dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
     found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
+    for name, slider in (sliders or {}).items():
+        own = found.table[found.table["object"] == name]
+        check_pushes(replace(found, table=own), CollectionLoop.mit("isotropic", slider=slider, footprint=None))
     models = _models(dataset_sliders() if sliders is None else sliders, friction, pusher, plates)
     shifts = {one.plate: (one.x, one.y) for one in frames}
     rows: list[dict[str, Any]] = []
@@ -230,12 +236,12 @@ def _recorded(
 ) -> Iterator[tuple[PushFacts, PushRecord]]:
     """The pushes of a file with what is known of each: one of a file of the MIT layout, many of a CSV table."""
     if path.suffix.lower() != CSV_SUFFIX:
-        record = read_push_file(path)
+        record = convention_of(path).record(read_push_file(path))
         if not isinstance(record, PushRecord):
             raise InvalidInput("a friction scan, not a push")
         yield push_facts(path) or PushFacts(), record
         return
-    table = read_csv_table(path)
+    table = convention_of(path).table(read_csv_table(path))
     if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
         raise InvalidInput(f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}")
     for row in table.rows:

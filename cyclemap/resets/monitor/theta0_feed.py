@@ -16,6 +16,7 @@ from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX
 from cyclemap.resets.monitor.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import UNFINISHED_SUFFIX, CsvRow, CsvTable
 
@@ -59,12 +60,23 @@ def theta0_feed(
     place, convention = Path(path), convention_of(path, angles, frame, offset_deg)
     if columns or units or is_own(place):
         return OwnTableFeed(place, columns or {}, units, convention)
+    if _has_poses_in_radians(place):
+        return OwnTableFeed(place, {}, ("rad",), convention)
     if not place.is_dir():
         return Theta0CsvFeed(place, convention)
     homes = sorted({file.parent for file in place.rglob("*") if push_facts(file) is not None} or {place})
     if len(homes) > 1 and place not in homes:
         raise InvalidInput(f"{place}: several folders below hold pushes: watch one, such as {homes[0]}")
     return PushFolderFeed(place if place in homes else homes[0], convention)
+
+
+def _has_poses_in_radians(path: Path) -> bool:
+    """Whether a table has poses before pushes under the names that `load_pushes` reads, and no θ0 in degrees."""
+    if not path.is_file() or path.suffix.lower() != CSV_SUFFIX:
+        return False
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        names = {name.strip().lower() for name in file.readline(_PART_BYTES).split(",")}
+    return {"x0", "y0"} <= names and bool({"th0", "theta0"} & names) and not set(COLUMNS) & names
 
 
 class Theta0CsvFeed:

@@ -171,6 +171,7 @@ def test_a_recording_in_another_convention_is_brought_to_ours() -> None:
     assert found.ft_wrench == pytest.approx(record.ft_wrench)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("table", [one for one in thirty() if one.posed], ids=lambda one: one.name)
 @pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
 def test_thirty_foreign_tables_are_read_right_or_refused_with_what_mends_them(tmp_path, table) -> None:

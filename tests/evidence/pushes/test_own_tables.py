@@ -308,3 +308,51 @@ def test_a_pipe_is_refused_and_not_waited_for_and_so_is_an_unknown_unit(tmp_path
     os.mkfifo(tmp_path / f"pipe{suffix}")
     refused(read_own_table, tmp_path / f"pipe{suffix}", told="is a pipe or a device", kind=DataFileError)
     refused(read_own_table, tmp_path / f"pipe{suffix}", units=["furlongs"], told="--units furlongs")
+
+
+def test_rows_out_of_order_are_put_in_order_by_their_numbers_or_times_and_that_is_said(tmp_path) -> None:
+    order = np.random.default_rng(2).permutation(12)
+    columns = {"push": np.arange(12), "time": 9.3 * np.arange(12)}
+    for name, numbers in columns.items():
+        path = tmp_path / f"{name}.csv"
+        path.write_text(f"{name},yaw_deg\n" + "".join(f"{numbers[n]},{WRAPPED[n]}\n" for n in order))
+        assert any("put in the order of their" in line for line in read_own_table(path).words)
+        assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+    path.write_text("push,yaw_deg\n" + "".join(f"{n // 2},{x}\n" for n, x in enumerate(WRAPPED)))
+    assert any("there twice: rows are taken in their own order" in line for line in read_own_table(path).words)
+
+
+def test_columns_that_say_nothing_are_listed_and_names_of_surface_and_object_kept(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    header = "px,py,shape,x0_in,y0_in,theta0_turns,x1_in,y1_in,theta1_turns\n"
+    rows = (f"0,1,hex,10,2,{a / 360.0},12,2,{(a + 65.0) / 360.0}\n" for a in THETA_DEG)
+    path.write_text(header + "".join(rows))
+    found = read_own_table(path)
+    assert "not read: px, py" in found.words and set(found.columns["object"]) == {"hex"}
+    assert found.columns["x1"] == pytest.approx(12 * 0.0254)
+    assert np.degrees(found.columns["theta1"]) == pytest.approx(THETA_DEG + 65.0)
+
+
+@pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".json"])
+def test_rows_of_json_are_read_and_a_push_of_the_mit_layout_is_none(tmp_path, suffix) -> None:
+    path = tmp_path / f"log{suffix}"
+    path.write_text("".join(json.dumps({"rep": n, "object": {"yaw_deg": x}}) + "\n" for n, x in enumerate(WRAPPED)))
+    assert is_own(path)
+    told = {"theta0": "object_yaw_deg"}
+    assert wrapped(orientations(tmp_path, path, told)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+    push = tmp_path / "push.json"
+    push.write_text(json.dumps({"object_pose": [], "tip_pose": [], "ft_wrench": []}))
+    assert not is_own(push)
+    path.write_text('{"yaw_deg": 1}\n[1, 2]\n')
+    refused(read_own_table, path, told="a row is an object")
+
+
+def test_what_may_be_turns_or_radians_and_a_stream_taken_for_pushes_is_refused(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("yaw\n" + "".join(f"{x / 360.0}\n" for x in WRAPPED))
+    refused(read_own_table, path, told="are these turns, or radians")
+    assert wrapped(orientations(tmp_path, path, units=["turns"])) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+    t, x, theta = stream()
+    pandas.DataFrame({"stamp": t, "x": x, "alpha_deg": theta}).to_csv(path, index=False)
+    refused(read_own_table, path, told="--columns theta=NAME")
+    refused(read_own_table, path, {"theta0": "alpha_deg"}, told="say --columns theta=alpha_deg in place of theta0")

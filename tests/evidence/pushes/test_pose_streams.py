@@ -22,6 +22,7 @@ def made(tmp_path, noise_mm, convention="ours", seed=3):
     return table, table.made(tmp_path, with_collection=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise_mm", [0.0, 0.3, 1.0])
 def test_pushes_are_told_from_drags_through_noise_pauses_and_lost_rows(tmp_path, noise_mm) -> None:
     """Every push that is given is one that happened, and follows the one before it where it says so."""
@@ -38,6 +39,7 @@ def test_pushes_are_told_from_drags_through_noise_pauses_and_lost_rows(tmp_path,
     assert found.segments is not None and "2 of them" in found.segments.words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("convention", [name for name in CONVENTIONS if name != "ours"])
 def test_a_stream_is_cut_alike_in_every_convention(tmp_path, convention) -> None:
     """Which rests have the ring at the target is the same in a mirror."""
@@ -88,6 +90,7 @@ def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
         cut_stream(tmp_path / "noise.csv", stream)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise_mm", "pauses"), [(0.0, ()), (0.3, (1, 11, 12)), (1.0, (5,))])
 def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(tmp_path, noise_mm, pauses) -> None:
     """Two poses again and again: a pause within a push does not make drags of all that follow it."""

@@ -8,7 +8,7 @@ import pytest
 from made_pushes import PUSH_NAME, made_push, turned, write
 from refusals import refused
 
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.pushes.push_table import PUSH_COLUMNS, SCAN_COLUMNS, load_pushes, read_push_csv
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.text_files import read_csv_table
@@ -184,3 +184,17 @@ def test_a_place_without_push_files_is_refused_by_name(tmp_path) -> None:
     (tmp_path / "notes.txt").write_text("nothing pushed yet")
     refused(load_pushes, tmp_path, told=f"{tmp_path}: the folder holds no push data")
     refused(load_pushes, tmp_path / "none", told="there is nothing there")
+
+
+def test_rows_without_a_pose_are_left_out_and_told_and_other_empty_fields_do_no_harm(tmp_path) -> None:
+    rows = [f"0,0,{0.1 * n},0.03,-0.07,{0.1 * n + 1.2},{'' if n == 4 else 0.7}" for n in range(20)]
+    rows[7], rows[11] = "nan,nan,nan,0.03,-0.07,1.2,0.7", "0,0,0.1,,,,0.7"
+    with pytest.warns(DoubtfulInput, match="2 of 20 rows left out for want of a pose, the first in line 9"):
+        found = read_push_csv(csv(tmp_path, f"{POSES},fraction\n" + "\n".join(rows) + "\n"))
+    assert len(found) == 18 and np.isnan(found[4]["fraction"])
+
+
+def test_places_in_millimetres_under_our_names_are_not_taken_for_metres(tmp_path) -> None:
+    path = csv(tmp_path, f"{POSES}\n" + "".join(f"50,10,0.{n},80,-60,1.{n}\n" for n in range(10)))
+    (bad,) = load_pushes(path).unreadable
+    assert "moves the object by 76.16 m: are its places in millimetres? Say so, --units mm" in bad.reason
