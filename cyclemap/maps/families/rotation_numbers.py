@@ -290,7 +290,8 @@ def _envelopes(family: ParametricLift, found: list[Plateaus], max_error: float) 
         tables[1, row, start.size :] = tables[0, row, start.size :]
         tables[:, row, : start.size] = columns[:, order]
     inexact = max(columns[3] for columns in found) + max_error
-    return _Envelopes(family, *tables, inexact + SLACK)
+    start, end, level = tables
+    return _Envelopes(family, start, end, level, inexact + SLACK)
 
 
 def _folded_numbers(

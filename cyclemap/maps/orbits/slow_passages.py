@@ -168,7 +168,7 @@ def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reac
             inverse = (1.0 + 0.5 * bend - bend**2 / 12.0) / g
             ends = displacement(circle_map, theta + way * np.array([0.0, end]), period, np.full(2, whole))[1]
             times.append(0.5 * end * float(weights @ inverse) - way * float(ends[1] - ends[0]) / 12.0)
-        return times[0] / times[1]
+        return float(times[0] / times[1])
 
     first = moved(0.0)
     if not first > 0.0:
