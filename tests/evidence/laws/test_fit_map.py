@@ -158,3 +158,18 @@ def test_pairs_in_no_order_or_without_scatter_make_no_staircase() -> None:
     theta, path = np.linspace(0, 6, 50), np.arange(50) * 1.0
     refused(measured_staircase, Theta0Pairs(theta, theta + 0.1), told="no known order")
     refused(measured_staircase, Theta0Pairs(path[:-1], path[1:], path), told="no measurement")
+
+
+@pytest.mark.parametrize("start", [0.0, -np.pi, 1.0])
+def test_images_wrapped_into_one_turn_are_unwrapped(start: float) -> None:
+    """Wrapped pairs give the map of the lifted ones; whole turns that are in no wrapping are refused."""
+    rng, truth = np.random.default_rng(5), CircleMap.arnold(0.298, 0.6)
+    path = [1.0]
+    for kick in 0.1 * rng.standard_normal(300):
+        path.append(float(truth(path[-1])) + kick)
+    lifted = np.array(path)
+    wrapped = start + np.mod(lifted - start, TURN)
+    known, found = (fit_map(at[:-1], at[1:], harmonics=2) for at in (lifted, wrapped))
+    assert np.allclose(found.map(GRID), known.map(GRID), atol=1e-12) and found.sigma < 0.12
+    jumping = wrapped[1:] + TURN * rng.integers(0, 2, 300)
+    refused(fit_map, wrapped[:-1], jumping, harmonics=2, told="turns jump by whole ones")
