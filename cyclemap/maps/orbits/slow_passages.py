@@ -142,7 +142,7 @@ def _relative_error(
         true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))
         true += 0.5 * float(np.log(g[-1] / g[-2])) - float(bend[-1] - bend[-2]) / 12.0
     unknown = 0.5 * float(np.max(rounding)) / abs(gap)
-    return abs(abs(true) / parabola - 1.0) + unknown
+    return float(abs(abs(true) / parabola - 1.0) + unknown)
 
 
 def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float) -> float:
