@@ -58,6 +58,7 @@ def tent(slope):
     return CircleMap.from_branches(branches, degree=0)
 
 
+@pytest.mark.slow
 def test_a_tent_without_a_derivative_knows_how_well_its_exponent_is_known():
     for steps, noise in ((1, None), (2, None), (2, WrappedNormal(0.1))):
         found = lyapunov_exponent(nth_iterate(tent(1.7), steps), noise)

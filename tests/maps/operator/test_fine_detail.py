@@ -17,7 +17,7 @@ def rippled(waves, steepness=0.95, breaks=()):
     )
 
 
-@pytest.mark.parametrize("waves", [97, 256, 1000, 4096])
+@pytest.mark.parametrize("waves", [97, 256, *(pytest.param(n, marks=pytest.mark.slow) for n in (1000, 4096))])
 @pytest.mark.parametrize("noise", [WrappedNormal(0.3), VonMises(2.0), WrappedCauchy(0.2), WrappedNormal(3.0)])
 def test_waves_that_meet_the_nodes_do_not_deceive_the_bounds(waves, noise):
     """However many waves a turn, commensurate with nodes or not, moments and winding are within tiny bounds."""
@@ -36,6 +36,7 @@ def test_breaks_change_nothing_where_there_are_none():
     assert abs(plain.moment(1) - cut.moment(1)) <= plain.moment_error(1) + cut.moment_error(1) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("breaks", [(), (2.0,)])
 def test_an_exponent_follows_the_detail_of_the_slope(breaks):
     circle_map = rippled(400, 0.7, breaks)
