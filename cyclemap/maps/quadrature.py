@@ -27,7 +27,7 @@ _POINTS = 16  # nodes a panel at least, where the map is given by formulas: as m
 _LEAST = 10  # nodes a panel there: enough for F times waves of θ that hardly turn on it
 _TAIL = 3  # last coefficients of a panel that must be small
 _RESOLVED = 1e-12  # radians: F's own last coefficients, rounding apart
-_HALF_RESOLVED = 3e-8  # of half a wave: its square, a whole one, is then integrated to rounding
+_HALF_RESOLVED = 1.2e-5  # half a wave's last two: falling fast, as those of plain waves, their square is rounding
 _LOG_RESOLVED = 1e-11  # of a panel's part of the integral of ln|F'|
 _PROBES = 3**10  # angles a turn at which F's waves are counted, and panels are tried: odd, so that few waves hide
 _GOLDEN = 0.6180339887498949  # share of a step between the nodes of a rule and those of a finer one
@@ -227,7 +227,7 @@ def _has_rough_waves(circle_map: CircleMap, left: Array, width: Array, order: Wh
     for points in np.unique(order).tolist():
         use = np.flatnonzero(order == points)
         x, _ = gauss_rule(left[use], width[use], points)
-        image, last = circle_map(x), _to_coefficients(points)[:, -_TAIL:]
+        image, last = circle_map(x), _to_coefficients(points)[:, -2:]
         for share, other in _DIRECTIONS:
             wave = np.exp(0.5j * bandwidth * (share * image + other * x)).reshape(-1, points)
             rough[use] |= np.max(np.abs(wave @ last), axis=1) > _HALF_RESOLVED

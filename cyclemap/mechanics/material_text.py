@@ -225,7 +225,7 @@ def _field_of(numbers: dict[str, object]) -> FloorField | None:
                 f"a table [floor_field] needs {key}: dome_kpa, bow_x_kpa and bow_y_kpa, each a "
                 "list of factors of X, Y, X^2, X Y, Y^2 in 50 mm from the target, and reach_mm"
             )
-    rows = [finite_array(key, numbers[key], last=5, ndim=1) for key in SPREAD_KEYS]
+    rows = [finite_array(key, numbers[key], last=5, ndim=1) for key in SPREAD_KEYS]  # type: ignore[arg-type]
     reach = 1e-3 * finite_number("reach_mm", numbers["reach_mm"])
     return FloorField(tuple(tuple(row.tolist()) for row in rows), reach)
 

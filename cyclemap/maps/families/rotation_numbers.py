@@ -25,6 +25,7 @@ _TRIALS = (
     *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
 )
+_ENDS = 0.2  # of the tolerance: what the ends of a folded map's interval are sought to
 _SIDES, _ONE_MORE = np.array([[-1.0], [1.0]]), np.array([[0.0], [1.0]])
 # After so many cycles the finished maps are taken out, then at equal distances.
 _LOOKS = (16, 24, 28, 32, 36, 40, 44, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512, 768, 1024)
@@ -86,11 +87,15 @@ def rotation_numbers(
     period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / wanted)) + 2)
     winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
     value = np.where(period > 0, lower, 0.5 * (lower + upper))
-    # Bounds p/n as floats, moved outward by the rounding of that division.
-    lower = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
-    upper = np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
+    lower, upper = _outward(lower, upper)
     value, lower, upper, period, winding = _shaped(shape, value, lower, upper, period, winding)
     return RotationNumbers(value, lower, upper, period, winding, wanted)
+
+
+def _outward(lower: Array, upper: Array) -> tuple[Array, Array]:
+    """Bounds p/n as floats, moved outward by the rounding of that division."""
+    low = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
+    return low, np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
 
 
 def _shaped(shape: tuple[int, ...], *arrays: Any) -> list[Any]:
@@ -290,7 +295,8 @@ def _envelopes(family: ParametricLift, found: list[Plateaus], max_error: float) 
         tables[1, row, start.size :] = tables[0, row, start.size :]
         tables[:, row, : start.size] = columns[:, order]
     inexact = max(columns[3] for columns in found) + max_error
-    return _Envelopes(family, *tables, inexact + SLACK)
+    start, end, level = tables
+    return _Envelopes(family, start, end, level, inexact + SLACK)
 
 
 def _folded_numbers(
@@ -304,7 +310,9 @@ def _folded_numbers(
     numbered, workers = [*parameters, np.arange(float(len(members)))], os.cpu_count() or 1
     inexact = max(member.max_error for member in members)
     low, high = (_envelopes(family, list(columns), inexact) for columns in zip(*plateaus, strict=True))
-    lower, upper = _bounds(low, numbered, tolerance, workers)[0], _bounds(high, numbered, tolerance, workers)[1]
+    # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
+    narrow = _ENDS * tolerance
+    lower, upper = _bounds(low, numbered, narrow, workers)[0], _bounds(high, numbered, narrow, workers)[1]
     count = max(16, int(np.ceil(1.0 / tolerance)))
     theta, mean = np.zeros(len(members)), np.zeros(len(members))
     for weight in window(count).tolist():
@@ -316,7 +324,7 @@ def _folded_numbers(
     winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
     value = np.where((lower <= mean) & (mean <= upper), mean, 0.5 * (lower + upper))
     value = np.where(period > 0, lower, value)
-    return value, np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf), period, winding
+    return value, *_outward(lower, upper), period, winding
 
 
 def rotation_plane(

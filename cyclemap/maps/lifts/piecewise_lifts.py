@@ -241,7 +241,7 @@ class BranchedLift:
         turns, owner, values = np.floor(theta / TWO_PI), self._owner(theta), np.empty(np.shape(theta))
         for piece, own, here in self._parts(theta, owner):
             values[here] = piece.lift(own)
-        return values + (TWO_PI * self.degree) * (turns - self.shift[owner])
+        return np.asarray(values + (TWO_PI * self.degree) * (turns - self.shift[owner]))
 
     def derivative(self, theta: Array) -> Array:
         """Its slope; at a seam the one from the right."""

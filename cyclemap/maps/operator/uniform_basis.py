@@ -77,7 +77,7 @@ def uniform_discretisation(
         if not np.all(np.isfinite(law)):
             # Two arcs that the noise never connects: the law is not unique, but its parts are as rough as this.
             law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
-        seen[:] = [law[:, None]]
+        seen[:] = [np.asarray(law[:, None], dtype=np.float64)]
         return np.column_stack([law, waves])
 
     found = made(refined(ends, singular, tried, _TOLERANCES, most))

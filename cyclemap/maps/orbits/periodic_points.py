@@ -29,8 +29,8 @@ _TRUSTED = 1e-3  # a multiplier that is less sure than that says nothing of neut
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
 _POLISH = 3  # Newton steps at most
 _WIDENINGS = 60
-_ARRAYS = ("theta", "winding", "multiplier", "left_multiplier", "multiplier_error", "prime_period", "kind")
-_ARRAYS += ("error_bound",)
+_SLOPES = ("multiplier", "left_multiplier", "multiplier_error")
+_ARRAYS = ("theta", "winding", *_SLOPES, "prime_period", "kind", "error_bound")
 
 
 @dataclass(frozen=True, eq=False)

@@ -142,7 +142,7 @@ def _relative_error(
         true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))
         true += 0.5 * float(np.log(g[-1] / g[-2])) - float(bend[-1] - bend[-2]) / 12.0
     unknown = 0.5 * float(np.max(rounding)) / abs(gap)
-    return abs(abs(true) / parabola - 1.0) + unknown
+    return float(abs(abs(true) / parabola - 1.0) + unknown)
 
 
 def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float) -> float:
@@ -168,7 +168,7 @@ def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reac
             inverse = (1.0 + 0.5 * bend - bend**2 / 12.0) / g
             ends = displacement(circle_map, theta + way * np.array([0.0, end]), period, np.full(2, whole))[1]
             times.append(0.5 * end * float(weights @ inverse) - way * float(ends[1] - ends[0]) / 12.0)
-        return times[0] / times[1]
+        return float(times[0] / times[1])
 
     first = moved(0.0)
     if not first > 0.0:

@@ -174,3 +174,18 @@ def test_a_path_that_covers_part_of_the_circle_foretells_no_staircase_and_says_w
     assert found.foretold is None and "leave a gap of" in found.problem and found.steps.levels.size
     few = np.arange(0.0, 6.5, 0.9)
     assert "too few" in measured_staircase(Theta0Pairs(few[:-1], few[1:], few)).problem
+
+
+@pytest.mark.parametrize("start", [0.0, -np.pi, 1.0])
+def test_images_wrapped_into_one_turn_are_unwrapped(start: float) -> None:
+    """Wrapped pairs give the map of the lifted ones; whole turns that are in no wrapping are refused."""
+    rng, truth = np.random.default_rng(5), CircleMap.arnold(0.298, 0.6)
+    path = [1.0]
+    for kick in 0.1 * rng.standard_normal(300):
+        path.append(float(truth(path[-1])) + kick)
+    lifted = np.array(path)
+    wrapped = start + np.mod(lifted - start, TURN)
+    known, found = (fit_map(at[:-1], at[1:], harmonics=2) for at in (lifted, wrapped))
+    assert np.allclose(found.map(GRID), known.map(GRID), atol=1e-12) and found.sigma < 0.12
+    jumping = wrapped[1:] + TURN * rng.integers(0, 2, 300)
+    refused(fit_map, wrapped[:-1], jumping, harmonics=2, told="turns jump by whole ones")

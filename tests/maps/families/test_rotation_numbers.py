@@ -10,6 +10,7 @@ from cyclemap.maps import (
     MOEBIUS_FAMILY,
     CircleMap,
     ParametricLift,
+    rotation_interval,
     rotation_numbers,
     rotation_plane,
 )
@@ -101,3 +102,20 @@ def test_folded_maps_show_their_rotation_interval(family):
     np.testing.assert_allclose(plane.upper[:, 1], [1 / 2, 5 / 6], atol=1e-15)
     assert np.all((plane.lower <= plane.value) & (plane.value <= plane.upper))
     assert np.all(plane.period[:, 1] == 0)
+
+
+def test_a_plane_of_folded_maps_encloses_what_each_map_gives_by_itself():
+    """Both bounds hold the whole rotation interval, which the maps one by one know far better; progress reaches 1."""
+    told = []
+    first, second = np.linspace(0.05, 0.95, 4), np.array([0.8, 1.3, 2.0, 3.0])
+    plane = rotation_plane(CircleMap.arnold, first, second, progress=told.append)
+    assert np.array_equal(plane.folded, np.broadcast_to(second > 1.0, (4, 4)))
+    assert told == sorted(told) and told[-1] == 1.0
+    for i, omega in enumerate(first):
+        for j in range(1, 4):
+            interval = rotation_interval(CircleMap.arnold(omega, second[j]), iterates=4_000)
+            assert plane.lower[i, j] <= interval.lower_number.upper
+            assert plane.upper[i, j] >= interval.upper_number.lower
+            assert plane.lower[i, j] >= interval.lower - 2.1e-3
+            assert plane.upper[i, j] <= interval.upper + 2.1e-3
+            assert plane.lower[i, j] <= plane.value[i, j] <= plane.upper[i, j]

@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -146,3 +147,22 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
             assert abs(single.right - curves.right[i, j]) <= single.right.error_bound + curves.right_error[i, j]
     assert np.array_equal(np.any(curves.folded, axis=0), strengths > 1)
     assert np.all(np.diff(curves.right - curves.left, axis=1) > 0)
+
+
+@pytest.mark.parametrize(("q", "p"), [(1, 0), (2, 1), (3, 1), (4, 1)])
+def test_tongues_of_the_sine_family_open_like_the_qth_power(q, p):
+    """Width = C K^q (1 + O(K²)): from K to 2K it grows 2^q times (Arnold 1965)."""
+    strengths = (0.2, 0.4) if q < 3 else (0.3, 0.6)
+    narrow, wide = (tongue(arnold(K), (p, q), WIDE).width for K in strengths)
+    assert narrow > 100 * narrow.error_bound
+    assert np.log2(wide / narrow) == pytest.approx(q, abs=0.15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("K", [0.5, 1.0])
+def test_tongues_are_disjoint_and_in_the_order_of_their_ratios(K):
+    ratios = sorted({Fraction(p, q) for q in range(1, 6) for p in range(q + 1)})
+    edges = [tongue(arnold(K), ratio, WIDE) for ratio in ratios]
+    for before, after in pairwise(edges):
+        assert before.left <= before.right
+        assert before.right.upper < after.left.lower

@@ -5,7 +5,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
     Estimate,
@@ -135,14 +134,14 @@ def test_tiny_hitting_probabilities_keep_their_digits():
     assert hitting_probability(two_wells(), noise, np.pi + 0.3, b, a).holds(1.0)
 
 
-def test_a_map_with_a_jump_that_it_hides_is_not_certified():
+def test_a_jump_that_a_map_hides_is_found_by_panels_that_close_in_on_it():
     def jumping(breaks):
         return CircleMap(lambda x: x + 0.05 + 0.2 * np.floor((np.mod(x, TWO_PI) - 0.5) / TWO_PI), np.ones_like, breaks)
 
-    with pytest.raises(ConvergenceError, match="give the map's breaks"):
-        mean_passage_time(jumping(()), WrappedNormal(0.2), 0.5, (0.0, 1.0))
-    found = mean_passage_time(jumping((0.0, 0.5)), WrappedNormal(0.2), 0.5, (0.0, 1.0))
-    assert found.error_bound < 1e-12
+    hidden, declared = (
+        mean_passage_time(jumping(breaks), WrappedNormal(0.2), 0.5, (0.0, 1.0)) for breaks in ((), (0.0, 0.5))
+    )
+    assert abs(hidden - declared) <= hidden.error_bound + declared.error_bound < 1e-11
 
 
 @pytest.mark.parametrize(

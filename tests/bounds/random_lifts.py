@@ -1,0 +1,140 @@
+"""Random lifts with detail, jumps and kinks, and the same numbers by dense sums that know where the breaks are."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ive
+
+from cyclemap.maps import CircleMap, Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+
+TWO_PI = 2 * np.pi
+MOST_WAVES = 5_000
+_NODES = 20
+_UNIFORM_MODES = 700
+
+
+@dataclass(frozen=True, eq=False)
+class RandomLift:
+    """A map, its noise, how many waves a turn its detail has, and what kinds of break."""
+
+    map: CircleMap
+    noise: Noise
+    waves: int
+    kind: str
+
+
+def random_lift(rng: np.random.Generator) -> RandomLift:
+    """One to five thousand waves a turn on a sine map; one in two with a jump, a kink or both; one in five folds."""
+    kind = str(rng.choice(["smooth", "jump", "kink", "jump and kink"], p=[0.5, 0.2, 0.2, 0.1]))
+    uniform = rng.uniform() < 0.02
+    waves = round(np.exp(rng.uniform(0.0, np.log(30 if uniform else MOST_WAVES))))
+    steepness = rng.uniform(0.05, 0.65) if rng.uniform() < 0.8 else rng.uniform(1.0, 2.5)
+    shift, slow, phase, other = rng.uniform(0.0, TWO_PI), rng.uniform(0.0, 0.3), *rng.uniform(0.0, TWO_PI, 2)
+    ends = np.sort(rng.uniform(0.2, 6.1, 2))
+    jump = rng.uniform(-1.0, 1.0) if "jump" in kind else 0.0
+    bend = rng.uniform(-0.2, 0.2) if "kink" in kind else 0.0
+
+    def lift(theta: np.ndarray) -> np.ndarray:
+        turns = np.floor(theta / TWO_PI)
+        base = theta - TWO_PI * turns
+        detail = steepness / waves * np.sin(waves * base + phase) + slow * np.sin(base + other)
+        inside = (base >= ends[0]) & (base < ends[1])
+        middle = np.maximum(0.5 * (ends[1] - ends[0]) - np.abs(base - ends.mean()), 0.0)
+        return theta + shift + detail + jump * inside + bend * middle
+
+    def slope(theta: np.ndarray) -> np.ndarray:
+        base = theta - TWO_PI * np.floor(theta / TWO_PI)
+        detail = steepness * np.cos(waves * base + phase) + slow * np.cos(base + other)
+        inside = (base >= ends[0]) & (base < ends[1])
+        return 1.0 + detail + bend * inside * np.where(base < ends.mean(), 1.0, -1.0)
+
+    breaks = ([*ends] if jump or bend else []) + ([ends.mean()] if bend else [])
+    given = slope if rng.uniform() < 0.9 else None
+    return RandomLift(CircleMap(lift, given, breaks), _noise(rng, uniform), waves, kind)
+
+
+def _noise(rng: np.random.Generator, uniform: bool) -> Noise:
+    if uniform:
+        return UniformNoise(rng.uniform(0.5, 3.0))
+    name, narrow = rng.choice(["normal", "von Mises", "Cauchy"]), rng.uniform() < 0.03
+    if name == "normal":
+        return WrappedNormal(rng.uniform(0.1, 0.35) if narrow else np.exp(rng.uniform(np.log(0.35), np.log(4.0))))
+    if name == "von Mises":
+        return VonMises(rng.uniform(6.0, 60.0) if narrow else np.exp(rng.uniform(np.log(0.1), np.log(6.0))))
+    return WrappedCauchy(rng.uniform(0.3, 0.7) if narrow else rng.uniform(0.01, 0.3))
+
+
+def noise_coefficients(noise: Noise, orders: np.ndarray) -> np.ndarray:
+    """E cos mξ by its closed form, written here once more."""
+    if isinstance(noise, WrappedNormal):
+        return np.exp(-0.5 * (orders * noise.sigma) ** 2)
+    if isinstance(noise, VonMises):
+        return ive(orders, noise.kappa) / ive(0, noise.kappa)
+    if isinstance(noise, WrappedCauchy):
+        return noise.r**orders
+    return np.sinc(orders * noise.halfwidth / np.pi)
+
+
+@dataclass(frozen=True, eq=False)
+class DenseNumbers:
+    """Moments E e^{imθ}, m = 0, 1, ...; mean turns a cycle and E ln|F'|; what they may be off."""
+
+    moments: np.ndarray
+    rotation: float
+    exponent: float
+    off: float
+
+    def density(self, theta: np.ndarray) -> np.ndarray:
+        """Per radian."""
+        orders = np.arange(1, self.moments.size)
+        waves = np.exp(-1j * np.multiply.outer(theta, orders)) @ self.moments[1:]
+        return (1.0 + 2.0 * waves.real) / TWO_PI
+
+
+def dense_numbers(case: RandomLift) -> DenseNumbers:
+    """A Galerkin method in complex waves on Gauss nodes, twenty on every half wave of the detail, cut at the breaks.
+
+    Under uniform noise waves fall slowly: there all is off by what half as many modes change.
+    """
+    orders = np.arange(0.0, 3_000.0)
+    kappa = noise_coefficients(case.noise, orders)
+    if isinstance(case.noise, UniformNoise):
+        rough, fine = (_dense(case, kappa[: modes + 1]) for modes in (_UNIFORM_MODES // 2, _UNIFORM_MODES))
+        off = max(np.max(np.abs(fine.moments[:3] - rough.moments[:3])), abs(fine.rotation - rough.rotation))
+        return DenseNumbers(fine.moments, fine.rotation, fine.exponent, 2.0 * float(off))
+    return _dense(case, kappa[: int(np.argmax(np.abs(kappa) < 1e-18)) + 1])
+
+
+def _dense(case: RandomLift, kappa: np.ndarray) -> DenseNumbers:
+    modes = kappa.size - 1
+    panels = max(2 * case.waves, 2 * modes, 96)
+    edges = np.union1d(np.linspace(0.0, TWO_PI, panels + 1), case.map.breaks)
+    x, w = np.polynomial.legendre.leggauss(_NODES)
+    half = 0.5 * np.diff(edges)[:, None]
+    theta = (edges[:-1, None] + half * (1.0 + x)).ravel()
+    weight = (half * w).ravel() / TWO_PI
+    turn = case.map(theta) - theta
+    matrix = np.zeros((modes + 1, 2 * modes + 1), dtype=complex)
+    for some in np.array_split(np.arange(theta.size), 1 + theta.size // 4_000):
+        before = _powers(theta[some], modes)
+        after = _powers(theta[some] + turn[some], modes)
+        both = np.concatenate([before[:0:-1].conj(), before])
+        matrix += after @ (both * weight[some]).conj().T
+    # Column k, from -modes on, is of the wave e^{-ikθ} with coefficient E e^{ikθ}; rows below 0 follow by symmetry.
+    whole = np.concatenate([matrix[:0:-1, ::-1].conj(), matrix])
+    both = np.concatenate([kappa[:0:-1], kappa])
+    system = np.eye(2 * modes + 1) - both[:, None] * whole
+    system[modes] = 0.0
+    system[modes, modes] = 1.0
+    moments = np.linalg.solve(system, np.eye(2 * modes + 1)[modes])[modes:]
+    found = DenseNumbers(moments, np.nan, np.nan, 0.0)
+    mass = TWO_PI * weight * np.concatenate([found.density(part) for part in np.array_split(theta, 64)])
+    slope: Callable[[np.ndarray], np.ndarray] = case.map.derivative
+    exponent = float(mass @ np.log(np.abs(slope(theta))))
+    return DenseNumbers(moments, float(mass @ turn) / TWO_PI, exponent, 0.0)
+
+
+def _powers(theta: np.ndarray, most: int) -> np.ndarray:
+    """e^{imθ}, m = 0..most, as rows."""
+    return np.exp(1j * np.multiply.outer(np.arange(most + 1.0), theta))

@@ -1,0 +1,75 @@
+"""Slopes by differences carry their errors into maps made of maps, multipliers and exponents."""
+
+import numpy as np
+import pytest
+
+from cyclemap.maps import (
+    CircleMap,
+    WrappedNormal,
+    compose,
+    conjugate,
+    inverse,
+    lyapunov_exponent,
+    nth_iterate,
+    periodic_orbits,
+    shifted,
+)
+
+TWO_PI = 2 * np.pi
+
+
+def waved(waves, derivative):
+    """A homeomorphism with so many waves, with its derivative, without, or as branches without."""
+
+    def lift(x):
+        return x + 0.3 + 0.5 / waves * np.sin(waves * x) + 0.2 * np.sin(x)
+
+    if derivative == "branches":
+        return CircleMap.from_branches([(0.0, 3.0, lift, None), (3.0, TWO_PI, lift, None)])
+    return CircleMap(lift, (lambda x: 1 + 0.5 * np.cos(waves * x) + 0.2 * np.cos(x)) if derivative == "given" else None)
+
+
+MADE = [
+    lambda f: f,
+    lambda f: nth_iterate(f, 3),
+    lambda f: compose(f, f),
+    inverse,
+    lambda f: conjugate(f, 1.0),
+    lambda f: shifted(f, 1),
+    lambda f: nth_iterate(inverse(f), 2),
+]
+
+
+@pytest.mark.parametrize("waves", [1, 30, 200])
+@pytest.mark.parametrize("derivative", ["branches", "none"])
+def test_slopes_of_maps_made_of_maps_are_within_their_errors(waves, derivative):
+    theta = np.random.default_rng(4).uniform(0.0, TWO_PI, 400)
+    for make in MADE:
+        exact = make(waved(waves, "given")).derivative_and_error(theta)
+        found = make(waved(waves, derivative)).derivative_and_error(theta)
+        assert np.all(np.abs(found[0] - exact[0]) <= found[1] + exact[1])
+        assert np.median(found[1]) < 1e-6
+
+
+def tent(slope):
+    """Two straight branches without a derivative."""
+    top = slope * TWO_PI
+    branches = [(0, np.pi, lambda x: slope * x, None), (np.pi, TWO_PI, lambda x: top - slope * x, None)]
+    return CircleMap.from_branches(branches, degree=0)
+
+
+@pytest.mark.slow
+def test_a_tent_without_a_derivative_knows_how_well_its_exponent_is_known():
+    for steps, noise in ((1, None), (2, None), (2, WrappedNormal(0.1))):
+        found = lyapunov_exponent(nth_iterate(tent(1.7), steps), noise)
+        assert abs(found - steps * np.log(1.7)) <= found.error_bound < 1e-9
+
+
+def test_multipliers_carry_the_error_of_the_slope():
+    orbits = periodic_orbits(tent(1.7), 3)
+    assert len(orbits) == 2
+    for orbit in orbits:
+        assert abs(abs(orbit.multiplier) - 1.7**3) <= orbit.multiplier.error_bound < 1e-8
+    given, bare = CircleMap.arnold(0.1, 0.9), CircleMap(lambda x: x + 0.1 * TWO_PI - 0.9 * np.sin(x))
+    for exact, found in zip(periodic_orbits(given, 1), periodic_orbits(bare, 1), strict=True):
+        assert found.multiplier.holds(exact.multiplier) and exact.multiplier.error_bound < 1e-12
