@@ -99,6 +99,37 @@ def load_material(name: str | Path) -> Material:
     return _material_of(tomllib.loads(text), str(name))
 
 
+def load_plates(name: str | Path) -> tuple[PlatePressure, ...]:
+    """Return shapes of plates: of a built-in one by its name, or of all in a TOML file (a path that
+    ends in .toml) with tables [plates.NAME].
+
+    Built-in shapes were found on plywood and abs at once (`tests.inference.measured_floors`).
+    Raises InvalidInput for an unknown name, DataFileError for a file that is missing or tells no
+    shape.
+    """
+    is_file = str(name).endswith(".toml")
+    if is_file:
+        table = read_toml(Path(name))
+    else:
+        table = tomllib.loads(
+            (resources.files("cyclemap.mechanics") / "plates.toml").read_text(encoding="utf-8")
+        )
+    tables = _table(table, "plates")
+    if not is_file and str(name) not in tables:
+        raise unknown_name("plate", str(name), tables)
+    names = tuple(tables) if is_file else (str(name),)
+    pressures = [
+        PlatePressure.of_numbers(one, _table(tables, one, PLATE_KEYS, f"plates.{one}"))
+        for one in names
+    ]
+    told_shapes = tuple(one for one in pressures if not any(one.shares.values()))
+    if not told_shapes:
+        raise DataFileError(
+            f"{name}: no table [plates.NAME] with plate_dome_kpa, plate_warp_kpa, plate_warp_deg"
+        )
+    return told_shapes
+
+
 def _material_of(table: dict[str, object], name: str) -> Material:
     _refuse_unknown("key in a material file", table, (*FILE_KEYS, *_OTHER_TABLES))
     friction = table.get("friction")

@@ -67,7 +67,7 @@ def selected_rows(table: CsvTable, selection: RowSelection) -> tuple[list[CsvRow
     """
     rows, told, left_out = list[CsvRow](), list[dict[str, Any]](), Counter[str]()
     for row in table.rows:
-        facts = {name: column_value(table, row, name) for name in ("surface", "object", *selection.chosen)}
+        facts = {name: column_value(table, row, name) for name in ("surface", "object", "speed", *selection.chosen)}
         if reason := selection.refusal(facts):
             left_out[reason] += 1
         else:
@@ -98,10 +98,13 @@ def select_pushes(
     return PushTable(frames[0], frames[1], tuple(bad)), +left_out
 
 
-def pushes_of(pushes: PushTable, plate: str) -> PushTable:
-    """Return the pushes and scans of one object of several, without what could not be read."""
-    table, scans = (frame[frame["object"] == plate].reset_index(drop=True) for frame in (pushes.table, pushes.scans))
-    return PushTable(table, scans, ())
+def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
+    """Return the pushes and scans that take part, without what could not be read."""
+    frames = []
+    for frame in (pushes.table, pushes.scans):
+        keep = [not selection.refusal(row) for row in frame.to_dict("records")]
+        frames.append(frame[np.array(keep, dtype=bool)].reset_index(drop=True))
+    return PushTable(frames[0], frames[1], ())
 
 
 def told(values: Iterable[Any]) -> frozenset[str]:
