@@ -50,6 +50,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     read_measured_pushes,
     select_pushes,
     selected_rows,
+    session_name,
     tip_error,
     told,
     told_push,
@@ -184,7 +185,7 @@ class BlockBuilder:
 
     def _session(self, sort: str, speed: float | None) -> str:
         """The name of a session: its plate and speed; its file, too, where these do not tell it from others."""
-        session = f"{self.plate} {self.path.stem}" if speed is None else f"{self.plate} {1e3 * speed:.4g} mm/s"
+        session = session_name(self.plate, speed, self.path.stem)
         if self.known_sessions.setdefault((session, sort), self.path) != self.path:
             session += f", {self.path.stem}"
         return session

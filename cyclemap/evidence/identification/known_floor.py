@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from cyclemap.evidence.identification.data_block import SESSION_KINDS, DataBlock
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, ParameterSpace
-from cyclemap.mechanics import Material, PlatePressure, SurfaceShape
-from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics import Material, PlatePressure
 
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
@@ -76,9 +75,3 @@ def held_values(blocks: Sequence[DataBlock], space: ParameterSpace, free: Sequen
     """Return the values of the friction ellipse that is held, as the space has them."""
     asked = {name for block in blocks for name in block.parameters} - {*free}
     return {name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]}
-
-
-def floor_in_session(floor: Material, session: str) -> SurfaceShape:
-    """Return a floor's shape in a session that was seen, kPa at 50 mm, else the mean of all."""
-    shapes: Mapping[str, SurfaceShape] = {one.name: one.shape for one in floor.sessions}
-    return shapes.get(session, floor.floor or FLAT)

@@ -107,6 +107,15 @@ def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
     return PushTable(frames[0], frames[1], ())
 
 
+def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
+    """Return what a session is called: the plate and its speed, m/s; where that is unknown, what it is `otherwise`.
+
+    >>> session_name("hex", 0.02)
+    'hex 20 mm/s'
+    """
+    return f"{plate} {otherwise}".strip() if speed is None or math.isnan(speed) else f"{plate} {1e3 * speed:.4g} mm/s"
+
+
 def told(values: Iterable[Any]) -> frozenset[str]:
     """Return the texts that a column tells."""
     return frozenset(str(value) for value in values if _known(value))
