@@ -23,7 +23,7 @@ import os
 import runpy
 import subprocess
 import sys
-import tomllib
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
@@ -92,6 +92,7 @@ def ensure_installed(testing: bool) -> None:
             raise InstallError(f"the engine could not be built; {MEND}")
         return
     testing = testing or bool(stamp.get("testing"))
+    check_place()
     print(f"installing cyclemap into {VENV} ...", file=sys.stderr)
     # Without a stamp the last run was cut short: what pip believes to be there may not be whole.
     if not (pip_works() and install(testing, afresh=not stamp)):
@@ -119,6 +120,19 @@ def read_stamp() -> dict:
     return stamp if isinstance(stamp, dict) else {}
 
 
+def check_place() -> None:
+    """Raise InstallError where the folder that packages go into cannot be written."""
+    place = VENV if VENV.is_dir() else VENV.parent
+    try:
+        with tempfile.TemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        raise InstallError(
+            f"{place} cannot be written ({error.strerror}): make it writable, or copy the checkout "
+            "to a folder of yours and run it there"
+        ) from error
+
+
 def pip_works() -> bool:
     """Whether .venv is there, has this version of Python, and its pip starts."""
     if not PYTHON.exists():
@@ -141,6 +155,9 @@ def install(testing: bool, afresh: bool = False) -> bool:
     """Install the package, editable, and the tools if `testing`, at the pinned versions; whether that worked."""
     command = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     command += ["--force-reinstall"] if afresh else []
+    # Python 3.10, which is told to be too old, has no such module.
+    import tomllib
+
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     extras = [name for name in project["project"]["optional-dependencies"] if name != "peers"]
     package = f"{ROOT}[{','.join(extras)}]" if testing else ROOT

@@ -8,6 +8,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.errors import InvalidInput
 
+# Numbers that any one step may hold at once: 2 GB is the most that a command may take, and a step has copies of it.
+MOST_NUMBERS = 2**25
+
+
+def require_room(what: str, numbers: float, mend: str, most: float = MOST_NUMBERS) -> None:
+    """Raise InvalidInput where `what` comes to more `numbers` (or steps) than `most`; `mend` says what to do.
+
+    Every size that follows from a user's input is put through this before anything of that size is made.
+
+    >>> require_room("the map's nodes", 6e8, "give more data")
+    Traceback (most recent call last):
+    ...
+    cyclemap.errors.InvalidInput: the map's nodes: 6e+08, of at most 3.36e+07; give more data
+    """
+    if not numbers <= most:
+        raise InvalidInput(f"{what}: {numbers:.3g}, of at most {most:.3g}; {mend}")
+
 
 def finite_number(name: str, value: object) -> float:
     """Return `value` as a float, or raise InvalidInput if it is not one finite number.

@@ -79,3 +79,12 @@ def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
         twice = next(key for key, _ in pairs if sum(key == other for other, _ in pairs) > 1)
         raise ValueError(f"the key {twice!r} is there twice; keep one")
     return found
+
+
+def install_words(extra: str) -> str:
+    """Return how to install the libraries of an extra, where cyclemap comes from a checkout and no index has it.
+
+    >>> install_words("outlines")
+    "python -m pip install '.[outlines]' in the checkout of cyclemap"
+    """
+    return f"python -m pip install '.[{extra}]' in the checkout of cyclemap"

@@ -76,6 +76,13 @@ def read_csv_table(path: str | Path) -> CsvTable:
     return table
 
 
+def csv_text(table: CsvTable) -> str:
+    """Return a table as the text of a CSV file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([table.header, *(row.fields for row in table.rows)])
+    return text.getvalue()
+
+
 def require_columns(table: CsvTable, columns: Sequence[str]) -> None:
     """Raise DataFileError where `table` lacks one of `columns`."""
     missing = [name for name in columns if name not in table.header]

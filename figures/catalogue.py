@@ -37,7 +37,7 @@ class MeasuredFolder:
             if not named.is_dir():
                 raise InvalidInput(f"measured data: {str(named)!r} is no folder; name one, or leave --data out")
             return cls(named)
-        beside = Path(__file__).parents[3] / "shared" / "data"
+        beside = Path(__file__).parents[2] / "shared" / "data"
         return cls(beside if beside.is_dir() else None)
 
     def find(self, name: str) -> Path | None:
@@ -97,6 +97,7 @@ CATALOGUE = (
     Entry("fingerprint", BEYOND, "Five numbers against the full map"),
     Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in"),
     Entry("phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in"),
+    Entry("floor-shape", BEYOND, "What anisotropy of friction explains, and what the floor's shape explains"),
     Entry("staircase-bottleneck", BEYOND, "A staircase and the bottleneck that makes it"),
     Entry("wear-drift", BEYOND, "The cycle map as plywood wears"),
     Entry("locking-in", BEYOND, "The loop of push and drag locks in"),

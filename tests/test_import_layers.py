@@ -17,7 +17,7 @@ FIGURES = PACKAGE.parent / "figures"
 ROOMS = ("mechanics maps", "collection", "evidence sweeps", "resets", "views", "figures", "cli")
 RANK = {name: rank for rank, names in enumerate(ROOMS, 2) for name in names.split()}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
-SMALL = ("arrays errors lazy_names plain_text", "checks file_text inline_svg text_files")
+SMALL = ("arrays errors lazy_names one_thread plain_text", "checks file_text inline_svg text_files")
 SHARED = {name: rank for rank, names in enumerate(SMALL) for name in names.split()}
 DOORS = {"__init__": 9, "__main__": 9}
 ALL_RANKS = RANK | SHARED | DOORS
@@ -128,7 +128,7 @@ ROWS = {
     ),
     "resets": (("monitor", "design", "protocol"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {"maps": {"estimate", "quadrature"}, "evidence": set(), "resets": set()}
+PARTS_SHARED: dict[str, set[str]] = {"maps": {"estimate", "quadrature"}, "evidence": {"motion_check"}, "resets": set()}
 
 
 def allowed(place: str, part: str) -> set[str]:

@@ -1,7 +1,10 @@
 """run.py: what it installs when, what it says when it cannot, and that no failing check is lost."""
 
+import errno
 import importlib.util
 import os
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -131,6 +134,40 @@ def test_unfit_python_is_one_line_and_exit_1(run, monkeypatch, capsys, version, 
     assert shown.err.startswith("error: ")
     assert said in shown.err
     assert shown.err.count("\n") == 1
+
+
+def test_python_too_old_to_read_the_project_is_told_so() -> None:
+    """Python 3.10 has no module tomllib: it is asked for after the version is."""
+    code = (
+        "import runpy, sys; sys.modules['tomllib'] = None; sys.version_info = (3, 10, 13); "
+        "sys.argv = ['run.py', 'portrait', 'plywood']; runpy.run_path('run.py', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "error: this is Python 3.10; cyclemap needs 3.11 or newer: run with a newer python3\n"
+
+
+@pytest.mark.parametrize("made", [False, True])
+def test_checkout_that_cannot_be_written_is_told_so_before_anything_is_tried(
+    installer, run, monkeypatch, capsys, made
+) -> None:
+    """To remove a folder would not help; where all is installed, nothing has to be written."""
+    if made:
+        installer.ensure()
+        assert installer.ensure() == []
+        (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
+
+    def no_file(dir: Path) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(dir))
+
+    monkeypatch.setattr(run.tempfile, "TemporaryFile", no_file)
+    installer.calls.clear()
+    capsys.readouterr()
+    assert run.main(["portrait", "plywood"]) == 1
+    place = run.VENV if made else run.VENV.parent
+    told = f"error: {place} cannot be written (Read-only file system): make it writable, or copy the checkout to "
+    assert capsys.readouterr().err == f"{told}a folder of yours and run it there\n"
+    assert installer.calls == []
 
 
 @pytest.mark.parametrize("quick", [["--quick"], []])

@@ -165,7 +165,7 @@ command(
 )
 command(
     "fingerprint",
-    """Print the five numbers of a protocol and, for a material, the directions they predict.
+    """Print the seven numbers of a protocol and, for a material, the directions they predict.
 
     Without MATERIAL and friction settings only the protocol's own numbers are told.
     """,
@@ -289,6 +289,7 @@ command(
     option("--starts", type=Whole(min=1), default=2, help="Searches."),
     option("--seed", type=Whole(min=0), default=0, help="Seed of starts, folds and draws."),
     option("--name", help="Of the material. [default: SURFACE-identified]"),
+    option("--force", is_flag=True, help="Write a material that cannot be right, too."),
     result_options("NAME.toml, identify_NAME.png and .json"),
 )
 command(

@@ -166,15 +166,19 @@ def steps_report(steps: Steps) -> Json:
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
+    found = measured.foretold
+    if found is None:
+        return {**steps_report(measured.steps), "fitted": None, "problem": measured.problem, "comparison": None}
     return {
         **steps_report(measured.steps),
         "fitted": {
-            "harmonics": measured.fitted.law.harmonics,
-            "pairs": measured.fitted.pairs,
-            "noise_deg": degrees(measured.fitted.sigma),
-            **_with_zones(measured.prediction),
+            "harmonics": found.fitted.law.harmonics,
+            "pairs": found.fitted.pairs,
+            "noise_deg": degrees(found.fitted.sigma),
+            **_with_zones(found.prediction),
         },
-        "comparison": comparison_report(measured.comparison),
+        "problem": None,
+        "comparison": comparison_report(found.comparison),
     }
 
 

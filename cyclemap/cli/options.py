@@ -19,6 +19,8 @@ from cyclemap.plain_text import plain_number, plain_whole, printable
 
 if TYPE_CHECKING:
     from cyclemap.evidence import Theta0Pairs
+    from cyclemap.evidence.pushes.conventions import Convention
+    from cyclemap.evidence.pushes.pose_streams import Segments
 
 
 _QUIET = "cyclemap.quiet"
@@ -160,13 +162,49 @@ def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> A
         kind.fail(str(error), param, ctx)
 
 
+@dataclass(frozen=True)
+class TableOptions:
+    """What is said of a table: its columns and units as they were typed, and how it counts angles and lays its axes."""
+
+    columns: str | None = None
+    units: str | None = None
+    angles: str | None = None
+    frame: str | None = None
+    offset_deg: float | None = None
+
+    @property
+    def convention(self) -> dict[str, Any]:
+        """The keywords of readers that tell how angles are counted and axes laid."""
+        return {"angles": self.angles, "frame": self.frame, "offset_deg": self.offset_deg}
+
+
 def table_options(command: Command) -> Command:
-    """Give `command` the options that tell what the columns of a table are: they reach it as columns and units."""
+    """Give `command` the options that tell what data mean: they reach it as table, a `TableOptions`."""
+
+    @wraps(command)
+    def gathered(
+        columns: str | None, units: str | None, angles: str | None, frame: str | None, offset_deg: float | None,
+        **others: Any,
+    ) -> None:  # fmt: skip
+        command(table=TableOptions(columns, units, angles, frame, offset_deg), **others)
+
     named = "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC for a bag."
+    senses = click.Choice(["counter-clockwise", "clockwise", "compass"])
     return decorated(
-        command,
+        gathered,
         click.option("--columns", metavar="NAME=COLUMN,...", help=named),
-        click.option("--units", metavar="UNITS", help="Of angles, lengths, times: deg, mm, ms, ... by commas."),
+        click.option("--units", metavar="UNITS", help="Of angles, lengths, times: deg, turn, mm, ms, ... by commas."),
+        click.option(
+            "--angles",
+            type=senses,
+            help="How data count them, from above; compass: clockwise from y. [default: counter-]",
+        ),
+        click.option(
+            "--frame",
+            type=click.Choice(["right-handed", "mirrored", "swapped"]),
+            help="How data lay axes, from above: mirrored has y the other way, as pictures do; swapped y before x.",
+        ),
+        click.option("--offset-deg", type=Real(), help="Orientation of the object where the data say 0."),
     )
 
 
@@ -189,27 +227,64 @@ def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
         raise InvalidInput("say what the columns are: --columns theta0=NAME,... --units deg,mm")
 
 
-def readable_data(data: Path, columns: str | None, units: str | None, out: Path) -> Path:
+def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
+    from cyclemap.collection.collection_file import data_table
+    from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
     from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+    from cyclemap.evidence.pushes.pose_streams import UnclearStream
     from cyclemap.text_files import file_stem, write_whole
 
-    if columns is None and units is None and not is_own(data):
+    own = table.columns is not None or table.units is not None or is_own(data)
+    told = {**data_table(data), **{key: one for key, one in table.convention.items() if one is not None}}
+    if not own and not told:
         return data
-    found = read_own_table(data, *told_columns(columns, units))
-    target = out / f"{file_stem(data.stem)}_as_read.csv"
-    tell_what_was_read((*found.words, f"written as {target}"), found.guessed)
-    write_whole(target, found.csv_text().encode())
+    target = out / as_read_name(file_stem(data.stem), told)
+    if own:
+        try:
+            found = read_own_table(data, *told_columns(table.columns, table.units), **table.convention)
+        except UnclearStream as error:
+            picture = _pictured(error.seen, out / f"{file_stem(data.stem)}_motions.png")
+            raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
+        text, words, guessed = found.csv_text(), [*found.words], found.guessed
+        if found.segments is not None:
+            words.append(f"picture: {_pictured(found.segments, out / f'{file_stem(data.stem)}_motions.png')}")
+    else:
+        text, words, guessed = _in_our_convention(data, convention_of(data, **table.convention)), [], False
+    tell_what_was_read((*words, f"written as {target}"), guessed)
+    write_whole(target, text.encode())
     return target
 
 
-def measured_orientations(data: Path | None, columns: str | None, units: str | None, out: Path) -> Theta0Pairs | None:
+def _in_our_convention(data: Path, convention: Convention) -> str:
+    """A table that every reader takes, or the pushes of files in the MIT layout, as CSV in our convention."""
+    from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, load_pushes
+    from cyclemap.text_files import csv_text, read_csv_table
+
+    if data.suffix.lower() == CSV_SUFFIX and data.is_file():
+        return csv_text(convention.table(read_csv_table(data)))
+    offset = math.degrees(convention.offset)
+    pushes = load_pushes(data, angles=convention.angles, frame=convention.frame, offset_deg=offset).table
+    return str(pushes.drop(columns=["path", "samples", "dx", "dy"]).to_csv(index=False, lineterminator="\n"))
+
+
+def _pictured(seen: Segments, path: Path) -> Path:
+    """Draw how a stream of poses was cut, and return where."""
+    from cyclemap.text_files import write_whole
+    from cyclemap.views.stream_page import stream_page
+    from cyclemap.views.style import render
+
+    write_whole(path, render(stream_page(seen), "png"))
+    return path
+
+
+def measured_orientations(data: Path | None, table: TableOptions, out: Path) -> Theta0Pairs | None:
     """The pairs of θ0 that data in any form tell; None without data."""
     if data is None:
         return None
     from cyclemap.evidence.comparison.collection_data import measured_pairs
 
-    return measured_pairs(readable_data(data, columns, units, out))
+    return measured_pairs(readable_data(data, table, out))
 
 
 # Letters of a line: what repeats its input may go on for ever.

@@ -25,7 +25,7 @@ from cyclemap.text_files import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PATIENCE_SECONDS, LINE_SECONDS = 2.0, 5.0
+PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
 # More letters than any table has in a row.
 _WIDEST = 10_000
 
@@ -84,29 +84,33 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     A terminal gets a bar with the time left once it takes over two seconds, anything else a line every five seconds;
     nothing is shown with --quiet.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     if is_quiet():
         yield lambda fraction: None
         return
-    bar = Progress(console=Console(stderr=True), transient=True)
-    task, ended, begun = bar.add_task(printable(label), total=None), threading.Event(), time.monotonic()
+    share, ended, begun = 0.0, threading.Event(), time.monotonic()
 
     def report(fraction: float) -> None:
-        bar.update(task, completed=fraction, total=1.0)
+        nonlocal share
+        share = fraction
 
-    def show() -> None:
-        if sys.stderr.isatty():
-            if not ended.wait(PATIENCE_SECONDS):
-                bar.start()
+    def show_bar() -> None:
+        if ended.wait(PATIENCE_SECONDS):
             return
+        from rich.progress import Progress  # slow to import, and most work is done by now
+
+        with Progress(console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task(printable(label), total=None)
+            while not ended.wait(BAR_SECONDS):
+                bar.update(task, completed=share, total=1.0 if share else None)
+
+    def show_lines() -> None:
         while not ended.wait(LINE_SECONDS):
-            share, spent = bar.tasks[0].completed if bar.tasks[0].total else 0.0, time.monotonic() - begun
+            spent = time.monotonic() - begun
             done = f"{100.0 * share:.0f} % done, " if share else ""
             left = f", about {spent * (1.0 - share) / share:.0f} s left" if 0.0 < share < 1.0 else ""
             click.echo(f"{printable(label)}: {done}{spent:.0f} s{left}", err=True)
 
+    show = show_bar if sys.stderr.isatty() else show_lines
     shown = threading.Thread(target=show, daemon=True)
     shown.start()
     try:
@@ -114,8 +118,6 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     finally:
         ended.set()
         shown.join()
-        if bar.live.is_started:
-            bar.stop()
 
 
 class PeopleConsole(Console):

@@ -3,19 +3,18 @@
 from pathlib import Path
 
 from cyclemap.cli.json_report import degrees, direction_deg
-from cyclemap.cli.options import readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.settings import loop_beside
 from cyclemap.resets.monitor.audit import audit
 from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
 
 
-def run_audit(
-    data: Path, columns: str | None, units: str | None, out: Path, picture_format: str, json_target: str | None
-) -> None:
+def run_audit(data: Path, table: TableOptions, out: Path, picture_format: str, json_target: str | None) -> None:
     """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
-    read = readable_data(data, columns, units, out)
+    read = readable_data(data, table, out)
     with progress_bar(f"auditing {data.name}") as report:
-        found = audit(read, progress=report)
+        found = audit(read, loop=loop_beside(data), progress=report)
     alarm, reset = found.report.alarm, found.reset
     told = {
         "data": str(data),

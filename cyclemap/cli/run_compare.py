@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
-from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
@@ -22,11 +22,11 @@ SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
 def run_compare(
-    options: LoopOptions, data: Path, columns: str | None, units: str | None, first: int, select: tuple[str, ...],
+    options: LoopOptions, data: Path, table: TableOptions, first: int, select: tuple[str, ...],
     runs: int, seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
-    read = readable_data(data, columns, units, out)
+    read = readable_data(data, table, out)
     loop, sigma = chosen_loop(options, data)
     name = loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
@@ -49,18 +49,18 @@ def run_compare(
         return
     console = PeopleConsole()
     verdicts = (verdict.words for verdict in found.verdicts)
-    told = (data_sentence(found), *verdicts, *trust_sentences(found))
     note = plate_note(loop.material, loop.slider)
+    told = (data_sentence(found), *found.data.reading, *verdicts, *trust_sentences(found))
     console.tell(headline(name, found), *told, *([f"note: {note}"] if note else []))
     for whose, quantities in found.told_pushes:
         title = f"{quantities[0].count} pushes{whose}"
         console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
     if found.orientations is not None:
-        table = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
+        tests = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
         for name, test in found.orientations.tests.items():
             value = f"{math.degrees(test.statistic):.2f}°" if name == "wasserstein" else f"{test.statistic:.3f}"
-            table.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
-        console.print_table(table)
+            tests.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
+        console.print_table(tests)
     console.print(f"picture: {picture}")
 
 

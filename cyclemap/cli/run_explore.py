@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, measured_orientations
+from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
 from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
 from cyclemap.collection.collection_file import data_settings
 from cyclemap.collection.settings import layered
@@ -17,7 +17,7 @@ from cyclemap.views.explorer.answers import coarse, exact, explored, measured
 from cyclemap.views.explorer.server import Answer, ExplorerServer
 
 
-def run_explore(options: LoopOptions, data: Path | None, columns: str | None, units: str | None, browser: bool) -> None:
+def run_explore(options: LoopOptions, data: Path | None, table: TableOptions, browser: bool) -> None:
     """Serve the page and answer its sliders until Ctrl-C."""
     material = options.material or "plywood"
     options = LoopOptions(material, options.protocol, options.settings)
@@ -25,7 +25,7 @@ def run_explore(options: LoopOptions, data: Path | None, columns: str | None, un
     beside = {} if data is None else data_settings(data)
     settings = layered(beside, protocol_of(options)[0], set_settings(options.settings))
     begun = explored((material,), material, settings)
-    pairs = measured_orientations(data, columns, units, Path("out"))
+    pairs = measured_orientations(data, table, Path("out"))
 
     def start(asked: Answer, check: Callable[[float], None]) -> Answer:
         return {"material": begun.loop.material.name, "controls": begun.controls(), "measured": measured(pairs)}

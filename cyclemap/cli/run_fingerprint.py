@@ -1,4 +1,4 @@
-"""`cyclemap fingerprint`: the five numbers of a protocol and what they predict, in sentences, as JSON, as a picture."""
+"""`cyclemap fingerprint`: the numbers of a protocol and what they predict, in sentences, as JSON, as a picture."""
 
 import math
 from pathlib import Path
@@ -7,7 +7,7 @@ from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, n
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_loop
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
@@ -15,14 +15,21 @@ from cyclemap.maps import Orbit
 from cyclemap.views import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
 
-COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)")
+COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
 
 def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format: str, json_target: str | None) -> None:
     """Compute the fingerprint and the prediction, draw both, and print them for people or as JSON."""
     loop, _ = chosen_loop(options)
     surface = Anisotropy.of(loop.material.friction)
-    predicts = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    bow = floor_bow(loop)
+    predicts = named and bow == 0.0
+    if check and bow:
+        raise InvalidInput(
+            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} mean pressures: set "
+            "floor_bow=0, or ask for the portrait"
+        )
     if check and not predicts:
         raise InvalidInput("--check compares a prediction with the full map: name a MATERIAL or set its friction")
     name = loop.material.name if predicts else "protocol"
@@ -39,7 +46,7 @@ def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format
     if picture is None:
         return
     console = PeopleConsole()
-    rows = ((part, *fingerprint_page.five_numbers(getattr(found, part))) for part in ("push", "drag", "cycle"))
+    rows = ((part, *fingerprint_page.seven_numbers(getattr(found, part))) for part in ("push", "drag", "cycle"))
     console.print_table(people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)))
     lines = [fingerprint_page.protocol_sentence(found)]
     if prediction is not None:
@@ -47,6 +54,8 @@ def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format
         console.print(fingerprint_page.surface_sentence(prediction, name))
         console.print(fingerprint_page.direction_sentence(prediction, name), style="bold")
         lines = [fingerprint_page.lock_in_sentence(prediction), fingerprint_page.trust_sentence(prediction)]
+    if bow:
+        lines.append(fingerprint_page.bow_sentence(found, bow))
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
@@ -61,16 +70,18 @@ def fingerprint_report(
     name: str,
     known: DirectionUncertainty | None = None,
 ) -> Json:
-    """The report of `cyclemap fingerprint`: the five numbers, with "prediction" and "full_map" where asked for.
+    """The report of `cyclemap fingerprint`: the seven numbers, with "prediction" and "full_map" where asked for.
 
     "uncertainty" is of the stable directions of the full map.
     """
-    five = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    numbers: tuple[str, ...] = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    numbers += ("bow_amplitude", "bow_phase")
     report: Json = {
-        **degrees_of(found.cycle, *five),
-        "push": degrees_of(found.push, *five),
-        "drag": degrees_of(found.drag, *five),
+        **degrees_of(found.cycle, *numbers),
+        "push": degrees_of(found.push, *numbers),
+        "drag": degrees_of(found.drag, *numbers),
         "remainder_per_rad": number(found.remainder),
+        "bow_remainder_deg": degrees(found.bow_remainder),
     }
     if prediction is not None:
         report["prediction"] = _prediction(prediction, name)

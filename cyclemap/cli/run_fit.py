@@ -6,14 +6,17 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
-from cyclemap.cli.options import readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
+from cyclemap.cli.settings import loop_beside
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
+from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
 from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
@@ -53,17 +56,19 @@ NOTE_LETTERS = 60
 
 
 def run_fit(
-    data: Path, columns: str | None, units: str | None, select: tuple[str, ...], harmonics: int | None, wear: bool,
+    data: Path, table: TableOptions, select: tuple[str, ...], harmonics: int | None, wear: bool,
     seed: int, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
-    data, chosen = readable_data(data, columns, units, out), selected_values(select)
+    read, chosen = readable_data(data, table, out), selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
-        pushes = load_pushes(data, progress=report)
+        pushes = load_pushes(read, progress=report)
     if not len(pushes.table) and pushes.unreadable:
         raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
     if not len(pushes.table):
         raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
+    for words in check_pushes(pushes, loop_beside(data)):
+        click.echo(words, err=True)
     sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
     with progress_bar("fitting") as report:
         for one in sets:

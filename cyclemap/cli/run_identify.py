@@ -5,10 +5,11 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
@@ -16,7 +17,7 @@ from cyclemap.collection.collection_file import collection_tables, collection_te
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.setting_table import NOISE_KEY
 from cyclemap.collection.settings import with_material
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, identify
@@ -35,6 +36,7 @@ from cyclemap.evidence.identified_material import (
     readable_kind,
     readable_unit,
 )
+from cyclemap.evidence.plausibility import implausible
 from cyclemap.mechanics import EllipseFriction, Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
@@ -53,10 +55,10 @@ NOTHING = "–"
 
 
 def run_identify(
-    data: Sequence[Path], columns: str | None, units: str | None, select: tuple[str, ...], protocol: Path | None,
+    data: Sequence[Path], table: TableOptions, select: tuple[str, ...], protocol: Path | None,
     settings: tuple[str, ...], start: str | None, floor: str | None, plate: tuple[str, ...], free: str | None,
     fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None, folds: int | None,
-    student: float, starts: int, seed: int, out: Path, picture_format: str, json_target: str | None,
+    student: float, starts: int, seed: int, force: bool, out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
@@ -69,7 +71,7 @@ def run_identify(
     shapes = tuple(shape for one in plate for shape in load_plates(one))
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    data, space = [readable_data(path, columns, units, out) for path in data], starting_space(loop, surface)
+    data, space = [readable_data(path, table, out) for path in data], starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data, loop, chosen, first=first, wear=wear, most=most, progress=report,
@@ -96,16 +98,23 @@ def run_identify(
         )
     if not found.fit.converged:
         raise ConvergenceError(f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters")
+    doubts = implausible(found, collected.loop.slider.outline.extent)
+    if doubts and not force:
+        why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
+        mend = "look at object, push, units and --angles; with --force it is written all the same"
+        raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
+    for words in doubts:
+        click.echo(f"warning: this cannot be right: {words}", err=True)
     sources = [f"{path.name} from cycle {first} on" if first else path.name for path in data]
     name = name or f"{collected.surface or chosen.get('surface', 'surface')}-identified"
     plate_name, last = collected.loop.slider.name, collected.last_cycle
     material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, seed, out, picture_format, json_target)
+    _conclude(collected, found, material, bool(doubts), seed, out, picture_format, json_target)
 
 
 def _conclude(
-    data: CollectedBlocks, found: Identification, material: Material, seed: int, out: Path, picture_format: str,
-    json_target: str | None,
+    data: CollectedBlocks, found: Identification, material: Material, doubtful: bool, seed: int, out: Path,
+    picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
     told, answer = (
@@ -131,9 +140,9 @@ def _conclude(
     console.tell(answer, *(f"data: {note}" for note in data.notes))
     for table in (parameter_table(found), *([derived_table(derived)] if derived else []), error_table(found)):
         console.print_table(table)
-    following = f"next: cyclemap portrait {shlex.quote(str(toml))}"
+    following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
     for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
-        console.print(line)
+        console.print(line, end="\n" if line else "")
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_report import portrait_report
-from cyclemap.cli.options import LoopOptions, measured_orientations
+from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 
 def run_portrait(
-    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, cycles: int | None, seed: int,
+    options: LoopOptions, data: Path | None, table: TableOptions, cycles: int | None, seed: int,
     out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options, data).simplified()
+    pairs, chosen = measured_orientations(data, table, out), chosen_collection(options, data).simplified()
     loop, sigma = chosen.loop, chosen.sigma
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait

@@ -7,12 +7,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import click
+
 from cyclemap.cli.json_report import degrees
 from cyclemap.cli.options import LoopOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, publish
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import load_pushes
+from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.push_probe import OUTCOMES, Probe, command_push, probe, probe_pushes
 from cyclemap.mechanics import load_material
 from cyclemap.views.probe_page import probe_page, probe_sentences
@@ -49,8 +52,10 @@ def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
         raise InvalidInput("say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION")
     loop = replace(chosen_loop(options, asked["data"])[0], material=load_material("isotropic"), accuracy=1e-6)
     if given == ["data"]:
-        table = load_pushes(readable_data(asked["data"], asked["columns"], asked["units"], asked["out"])).table
-        table = table.dropna(subset=["theta0", *OUTCOMES])
+        pushes = load_pushes(readable_data(asked["data"], asked["table"], asked["out"]))
+        for words in check_pushes(pushes, loop):
+            click.echo(words, err=True)
+        table = pushes.table.dropna(subset=["theta0", *OUTCOMES])
         if not len(table):
             raise InvalidInput(
                 f"{asked['data']}: no push with a pose before and after it: x0, y0, theta0, x1, y1, theta1"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import file_stem, progress_bar
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
@@ -41,13 +41,11 @@ BIBTEX = """@article{ma2018friction,
 }"""
 
 
-def run_report(
-    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, reset: bool, out: Path
-) -> None:
+def run_report(options: LoopOptions, data: Path | None, table: TableOptions, reset: bool, out: Path) -> None:
     """Compute all of it and write the page."""
     loop, chosen = chosen_loop(options, data)
     sigma = DEFAULT_SIGMA if chosen is None else chosen
-    data = None if data is None else readable_data(data, columns, units, out)
+    data = None if data is None else readable_data(data, table, out)
     pairs = None if data is None else collection_data(data, loop).pairs
     path = None if pairs is None else pairs.path
     start = 0.0 if path is None else float(path[0])

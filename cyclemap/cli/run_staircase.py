@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from cyclemap.cli.json_report import staircase_report
-from cyclemap.cli.options import LoopOptions, measured_orientations
+from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
@@ -13,11 +13,11 @@ from cyclemap.views.sentences import uncertainty_sentence
 
 
 def run_staircase(
-    options: LoopOptions, data: Path | None, columns: str | None, units: str | None, cycles: int | None, seed: int,
+    options: LoopOptions, data: Path | None, table: TableOptions, cycles: int | None, seed: int,
     out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
-    pairs, chosen = measured_orientations(data, columns, units, out), chosen_collection(options, data).simplified()
+    pairs, chosen = measured_orientations(data, table, out), chosen_collection(options, data).simplified()
     loop, sigma = chosen.loop, chosen.sigma
     measured = None if pairs is None else measured_staircase(pairs, seed)
     if chosen.strategy is not None:

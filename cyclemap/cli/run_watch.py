@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers_of
-from cyclemap.cli.options import LoopOptions, tell_what_was_read, told_columns
+from cyclemap.cli.options import LoopOptions, TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.errors import InvalidInput
@@ -26,10 +26,11 @@ _TOLD_SHARES, _TOLERANCE = 10, 1e-3
 
 def run_watch(
     file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
-    columns: str | None, units: str | None, **results: Any,
+    table: TableOptions, **results: Any,
 ) -> None:  # fmt: skip
     """Watch the file to its end, or as it grows, and tell what is seen."""
-    feed, monitor, reports = theta0_feed(file, *told_columns(columns, units)), BiasMonitor(alarm_rate), list[Any]()
+    columns, units = told_columns(table.columns, table.units)
+    feed, monitor, reports = theta0_feed(file, columns, units, **table.convention), BiasMonitor(alarm_rate), list[Any]()
     if not follow:
         found, choose = feed.look(finished=True), _chooser(protocol, material)
         tell_what_was_read(found.words, found.guessed)

@@ -59,6 +59,12 @@ def chosen_loop(options: LoopOptions, data: Path | None = None) -> tuple[Collect
     return chosen.loop, chosen.sigma
 
 
+def loop_beside(data: Path) -> CollectionLoop | None:
+    """The loop that a collection file in the folder of data tells, on isotropic friction; None without one."""
+    settings = data_settings(data)
+    return CollectionLoop.from_settings(settings, CollectionLoop.mit("isotropic")) if settings else None
+
+
 def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
     """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the strategy overrules.
 

@@ -1,7 +1,8 @@
 """A collection as one TOML file: the object and its surface, push and reset; what a command writes every one reads.
 
 The tables [object], [push], [reset] and [noise] hold settings by the names of `--set`. The surface stands beside them
-as in a material file. What else is in it ([strategy], [predicted], [simulation]) belongs to those who wrote it.
+as in a material file. The table [data] says how data beside it count angles and lay their axes. What else is in it
+([strategy], [predicted], [simulation]) belongs to those who wrote it.
 """
 
 from __future__ import annotations
@@ -170,10 +171,10 @@ def _same(one: object, other: object) -> bool:
     return a.shape == b.shape and bool(np.all(np.abs(a - b) <= _ROUNDING))
 
 
-STRATEGY, PREDICTED, SIMULATION = "strategy", "predicted", "simulation"
+STRATEGY, PREDICTED, SIMULATION, DATA = "strategy", "predicted", "simulation", "data"
 # Data folders keep the collection that they are of under this name.
 FILE_NAME = "collection.toml"
-_PASSED_OVER = {*FILE_KEYS, STRATEGY, PREDICTED, SIMULATION} - {"friction"}
+_PASSED_OVER = {*FILE_KEYS, STRATEGY, PREDICTED, SIMULATION, DATA} - {"friction"}
 _FOLDERS_UP = 4
 
 
@@ -216,11 +217,23 @@ def names_surface(path: str | Path) -> bool:
 
 def data_settings(data: str | Path) -> Settings:
     """Return what the folder of data, or one above it, says of object, push and reset; not the surface."""
+    file = _collection_of(data)
+    return {} if file is None else without_noise(read_settings(file))[0]
+
+
+def data_table(data: str | Path) -> Settings:
+    """Return the table [data] of the collection file in the folder of data, or in one above it; empty without one."""
+    file = _collection_of(data)
+    found = {} if file is None else read_toml(file).get(DATA, {})
+    if not isinstance(found, dict):
+        raise DataFileError(f"{file}: {DATA} must be a table, [data], not {found!r}")
+    return found
+
+
+def _collection_of(data: str | Path) -> Path | None:
     place = Path(data)
-    for folder in [place, *place.absolute().parents[:_FOLDERS_UP]]:
-        if (folder / FILE_NAME).is_file():
-            return without_noise(read_settings(folder / FILE_NAME))[0]
-    return {}
+    files = (folder / FILE_NAME for folder in [place, *place.absolute().parents[:_FOLDERS_UP]])
+    return next((file for file in files if file.is_file()), None)
 
 
 def collection_text(

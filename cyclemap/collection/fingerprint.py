@@ -1,4 +1,4 @@
-"""How far a surface is from isotropic, and the five numbers that tell how a protocol's cycle answers it."""
+"""How far a surface is from isotropic and flat, and the numbers that tell how a protocol's cycle answers it."""
 
 import cmath
 import math
@@ -14,13 +14,14 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
 
 # One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon overflow.
 MOST_ELLIPTICITY = 5.0
 
 
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
+_BOW, _LEAST_BOW = ("floor_bow_x", "floor_bow_y"), 1e-12
 # Step of the differences that give second derivatives, in offset and ellipticity, and the accuracy (rad) of the cycles:
 # their gradients are then good to about 1e-8.
 STEP, _ACCURACY = 0.002, 1e-10
@@ -120,7 +121,10 @@ class TurnResponse:
     G(z) = turn + gradient·z + z·hessian·z / 2 up to third order: turn in rad, gradient (4,), hessian (4, 4). At
     orientation θ on a surface of offset u along ψ and ellipticity v along φ, gradient·z is
 
-        u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase).
+        u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase);
+
+    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ - χ) - bow_phase), bow (2,)
+    being the derivative by b cos 2χ and b sin 2χ at θ = 0.
 
     offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad in (-π, π], the object's
     orientation, seen from the offset, at which the offset turns it most. ellipse_phase (δ₂) : twice such an
@@ -136,19 +140,23 @@ class TurnResponse:
     turn: float
     gradient: Array
     hessian: Array
+    bow: Array = field(default_factory=lambda: np.zeros(2))
     offset_amplitude: float = field(init=False)
     offset_phase: float = field(init=False)
     ellipse_amplitude: float = field(init=False)
     ellipse_phase: float = field(init=False)
+    bow_amplitude: float = field(init=False)
+    bow_phase: float = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "turn", finite_number("turn", self.turn))
-        for name, shape in (("gradient", (4,)), ("hessian", (4, 4))):
+        for name, shape in (("gradient", (4,)), ("hessian", (4, 4)), ("bow", (2,))):
             array = read_only(finite_array(name, getattr(self, name)))
             if array.shape != shape:
                 raise InvalidInput(f"{name} of a turn has shape {array.shape}: it must be {shape}")
             object.__setattr__(self, name, array)
-        for name, (x, y) in (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:])):
+        parts = (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:]), ("bow", self.bow))
+        for name, (x, y) in parts:
             object.__setattr__(self, f"{name}_amplitude", math.hypot(x, y))
             object.__setattr__(self, f"{name}_phase", -math.atan2(y, x) + 0.0)
 
@@ -166,26 +174,30 @@ class TurnResponse:
 class Fingerprint:
     """How the cycle of a protocol answers a surface that is nearly isotropic.
 
-    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂), with an error of second order, offset
-    along ψ, greater friction along φ (`Anisotropy`). The protocol alone tells Ω, A₁, δ₁, A₂, δ₂:
-    `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`, `cycle.ellipse_amplitude`, `cycle.ellipse_phase`.
+    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂) + bow·A₃ cos(2(θ - χ) - δ₃), with an
+    error of second order, offset along ψ, greater friction along φ (`Anisotropy`), the floor bowed along χ. The
+    protocol alone tells Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃: `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`,
+    `cycle.ellipse_amplitude`, `cycle.ellipse_phase`, `cycle.bow_amplitude`, `cycle.bow_phase`.
 
     push, drag : the two parts, both over the orientation before the push. hessian_error : largest asymmetry of the
     cycle's hessian as found, rad: what the differences that gave it are good for. remainder : 1/rad, what the second
     order leaves of the turn of usual surfaces, root mean square, over (offset·A₁ + ellipticity·A₂)²; it does not vanish
-    with the anisotropy, since second derivatives jump where contact phases come and go.
+    with the anisotropy, since second derivatives jump where contact phases come and go. bow_remainder : rad, what the
+    first order leaves of the turn on a floor of bow 1, at most; 0 for support points, which have no bow.
     """
 
     push: TurnResponse
     drag: TurnResponse
     hessian_error: float
     remainder: float
+    bow_remainder: float = 0.0
 
     @cached_property
     def cycle(self) -> TurnResponse:
         """The response of the whole cycle: push plus drag."""
         push, drag = self.push, self.drag
-        return TurnResponse(push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian)
+        bow = push.bow + drag.bow
+        return TurnResponse(push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian, bow)
 
     def margin(self, anisotropy: Anisotropy) -> float:
         """Return what the second order may leave of the turn on a surface, rad: twice the remainder, an estimate.
@@ -200,7 +212,7 @@ class Fingerprint:
 
 
 def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Fingerprint:
-    """Return the fingerprint of a loop's protocol; its material's friction plays no part.
+    """Return the fingerprint of a loop's protocol; its material's friction, and the floor's bow, play no part.
 
     The gradient comes from the sensitivities of two isotropic cycles, the hessian from central differences of twelve
     nearly isotropic ones, the remainder from sixteen cycles on usual surfaces. `progress` gets the fraction done.
@@ -216,7 +228,7 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
             "orientation on any surface and has no fingerprint; leave way_points_mm out"
         )
     report: Callable[[float], Any] = progress or (lambda fraction: None)
-    loop = replace(loop, accuracy=min(loop.accuracy, _ACCURACY))
+    loop = with_bow(replace(loop, accuracy=min(loop.accuracy, _ACCURACY)), 0.0)
     isotropic = with_anisotropy(loop, Anisotropy.of_components(np.zeros(4))).cycle(0.0)
     gradients = _gradients(loop, np.zeros(4))
     report(0.1)
@@ -228,14 +240,58 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     hessians = 0.5 * (differences + differences.transpose(0, 2, 1))
     whole = differences.sum(axis=0)
     turns = isotropic.push_turn, isotropic.drag_turn
-    push, drag = (TurnResponse(*parts) for parts in zip(turns, gradients, hessians, strict=True))
+    bows = _bow_gradients(loop)
+    push, drag = (TurnResponse(*parts) for parts in zip(turns, gradients, hessians, bows, strict=True))
     found = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
-    return replace(found, remainder=_remainder(loop, found.cycle))
+    return replace(found, remainder=_remainder(loop, found.cycle), bow_remainder=_bow_remainder(loop, found.cycle))
 
 
 def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:
     """Return the loop on a surface of this anisotropy and a usual mean friction."""
     return replace(loop, material=Material("surface of given anisotropy", anisotropy.friction(_MEAN)))
+
+
+def with_bow(loop: CollectionLoop, bow: float) -> CollectionLoop:
+    """Return the loop on a floor of this bow along the world's x axis; support points have none, and stay."""
+    footprint = loop.footprint
+    if isinstance(footprint, PressedFootprint):
+        return replace(loop, footprint=replace(footprint, floor=replace(footprint.floor, bow=bow, axis=0.0)))
+    if bow == 0.0 or not _can_bow(loop):
+        return loop
+    slider = loop.slider
+    pressed = PressedFootprint(slider.outline, floor=SurfaceShape(bow=bow), centre=slider.centre_of_mass)
+    return replace(loop, footprint=pressed)
+
+
+def floor_bow(loop: CollectionLoop) -> float:
+    """Return the bow of the floor under a loop, mean pressures at 50 mm."""
+    return loop.footprint.floor.bow if isinstance(loop.footprint, PressedFootprint) else 0.0
+
+
+def _can_bow(loop: CollectionLoop) -> bool:
+    """Whether the pressure is that of an outline: flat, or one with shapes, not points or shares of the load."""
+    footprint = loop.footprint
+    return footprint is None or isinstance(footprint, PressedFootprint)
+
+
+def _bow_gradients(loop: CollectionLoop) -> Array:
+    """Derivatives (2, 2) of the turns of push and drag at θ = 0 by the two components of the floor's bow."""
+    if not _can_bow(loop):
+        return np.zeros((2, 2))
+    # A bow of nothing, so that the footprint is one that has shapes.
+    flat = with_bow(loop, _LEAST_BOW)
+    found = with_anisotropy(flat, Anisotropy.of_components(np.zeros(4))).sensitivity(0.0, _BOW)
+    return found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
+
+
+def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
+    """What the first order leaves of the turn on a floor of bow 1, rad, at most over half a turn."""
+    if not _can_bow(loop):
+        return 0.0
+    bowed = with_anisotropy(with_bow(loop, 1.0), Anisotropy.of_components(np.zeros(4)))
+    theta = math.pi * np.arange(_SURFACES) / _SURFACES
+    first = response.bow_amplitude * np.cos(2.0 * theta - response.bow_phase)
+    return float(np.abs(bowed.next_theta(theta) - theta - response.turn - first).max())
 
 
 def _remainder(loop: CollectionLoop, response: TurnResponse) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, positive_number
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, with_anisotropy
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, floor_bow, with_anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
@@ -326,7 +326,7 @@ def check_prediction(
     """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it beside a prediction.
 
     The loop is one of the protocol whose fingerprint predicted, on the surface that was predicted. Raises InvalidInput
-    where its friction has another anisotropy.
+    where its friction has another anisotropy, or its floor a bow.
 
     >>> from cyclemap.collection.fingerprint import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
@@ -338,6 +338,11 @@ def check_prediction(
     if not isinstance(prediction, Prediction) or not isinstance(loop, CollectionLoop):
         raise InvalidInput(f"a check needs a Prediction and a CollectionLoop, not {prediction!r} and {loop!r}")
     own = Anisotropy.of(loop.material.friction)
+    if floor_bow(loop):
+        raise InvalidInput(
+            f"the prediction is of a floor without a bow, but the loop's has one of {floor_bow(loop):g} mean "
+            "pressures: set floor_bow=0, or ask its portrait"
+        )
     if not np.allclose(own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9):
         given, found = (
             f"offset {seen.offset:.4f} along {math.degrees(seen.offset_direction):.2f}° and ellipticity "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,14 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.checks import require_room
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.mechanics import Polygon
-from cyclemap.plain_text import plain_number
+from cyclemap.plain_text import install_words, plain_number
 from cyclemap.text_files import read_bytes, read_text
 
 Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
+# What headers call them.
+_UNIT_WORDS = {**{name: name for name in UNITS}, "in": "inch", "inches": "inch", "metres": "m", "meters": "m"}
 MESHES = (".stl", ".obj", ".ply", ".off", ".glb", ".dae")
 # DXF's own numbers of units, and CSS's names of them; a pixel is 1/96 inch there.
 _DXF_UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
@@ -35,6 +39,8 @@ _SVG_UNITS = {
 }
 # A curve is cut into so many pieces before those that the tolerance allows are left out.
 _PIECES = 64
+# Of the curves of a drawing, and of the pieces that all of them are cut into.
+_MOST_CURVES = 30_000
 _MOST_VERTICES = 400
 # Of what is that small nobody would make a drawing in metres, and of what is that large none in millimetres.
 _METRES_BELOW = 1.5
@@ -58,7 +64,7 @@ def read_outline(
     - ``.svg``: paths and shapes, drawn with y down, in the unit of the drawing's width.
     - ``.dxf``: closed polylines, lines that meet, circles, splines, in the drawing's unit.
     - ``.stl`` and other meshes, ``.urdf``: the silhouette from above (along z); `underside`: the foot print.
-    - ``.csv``: two columns, x and y, with a header or without.
+    - ``.csv``: columns x and y by the names and units of a header (x_mm,y_mm), else the two that there are.
 
     unit : "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which `words` say. tolerance : m, by
     which the outline may be simplified. Needs the libraries of the extra ``cyclemap[outlines]`` for all but CSV.
@@ -67,7 +73,8 @@ def read_outline(
     path = Path(path)
     kind = path.suffix.lower()
     if kind == ".csv":
-        line, own = _csv_vertices(path), None
+        line, named = _csv_vertices(path)
+        own = None if named is None else UNITS[named]
     else:
         read_bytes(path, 2**26)
         if kind == ".svg":
@@ -131,20 +138,62 @@ def _largest(path: Path, lines: Sequence[Array]) -> Array:
     return lines[int(np.argmax(areas))]
 
 
-def _csv_vertices(path: Path) -> Array:
-    rows = [line.replace(";", ",").split(",") for line in read_text(path, "CSV").splitlines() if line.strip()]
+def _csv_vertices(path: Path) -> tuple[Array, str | None]:
+    """The vertices, and their unit where a header names it; columns are told by their names, else they are x and y."""
+    text = enumerate(read_text(path, "CSV").splitlines(), 1)
+    kept = [(number, line) for number, line in text if line.strip(" ,;\t") and line[0] != "#"]
+    numbers, lines = [number for number, _ in kept], [line for _, line in kept]
+    separator = next((sign for sign in ";\t" if lines and sign in lines[0]), ",")
+    # Where another sign divides the columns a comma is a decimal one.
+    rows = [[field.strip().strip('"\ufeff') for field in line.split(separator)] for line in lines]
+    if separator != ",":
+        rows = [[field.replace(",", ".") for field in row] for row in rows]
+    columns, unit = (0, 1), None
+    if rows and not all(_is_number(field) for field in rows[0] if field):
+        columns, unit = _named_columns(path, rows[0])
+        rows, lines, numbers = rows[1:], lines[1:], numbers[1:]
+    elif rows and len([field for field in rows[0] if field]) != 2:
+        told = f"{len(rows[0])} columns without names: which are x and y?"
+        raise DataFileError(f"{path}: {told} Give a header line, such as x_mm,y_mm")
     points = []
-    for number, row in enumerate(rows, 1):
+    for row, line, number in zip(rows, lines, numbers, strict=True):
         try:
-            points.append([plain_number(row[0]), plain_number(row[1])])
+            points.append([plain_number(row[column]) for column in columns])
         except (ValueError, IndexError) as error:
-            if number > 1:
-                raise DataFileError(
-                    f"{path}, line {number}: two numbers x,y are wanted, not {','.join(row)!r}"
-                ) from error
+            raise DataFileError(f"{path}, line {number}: two numbers x,y are wanted, not {line[:60]!r}") from error
     if len(points) < 3:
         raise DataFileError(f"{path}: {len(points)} vertices; an outline has three or more, one x,y a line")
-    return np.array(points)
+    return np.array(points), unit
+
+
+def _is_number(text: str) -> bool:
+    try:
+        plain_number(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], str | None]:
+    """Where a header has x and y, and the unit that it names."""
+    found: dict[str, tuple[int, str]] = {}
+    for number, name in enumerate(header):
+        match = re.fullmatch(r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?", name.strip().lower())
+        if match and match[1] in found:
+            raise DataFileError(f"{path}: {header[found[match[1]][0]]} and {name} may both be {match[1]}: keep one")
+        if match:
+            found[match[1]] = number, match[2] or ""
+    if set(found) != {"x", "y"}:
+        raise DataFileError(
+            f"{path}: the header is {','.join(header)[:80]}: name the columns x and y, such as x_mm,y_mm"
+        )
+    named = {unit for _, unit in found.values()}
+    if len(named) > 1:
+        raise DataFileError(f"{path}: x and y in different units ({', '.join(sorted(named))}): write them in one")
+    (word,) = named
+    if word and word not in _UNIT_WORDS:
+        raise DataFileError(f"{path}: {word} is no unit that is known: give {', '.join(UNITS)}")
+    return (found["x"][0], found["y"][0]), _UNIT_WORDS.get(word)
 
 
 def _svg_outline(path: Path) -> tuple[Array, float]:
@@ -154,12 +203,15 @@ def _svg_outline(path: Path) -> tuple[Array, float]:
         paths = svg.Document(str(path)).paths()
     except Exception as error:
         raise DataFileError(f"{path}: not an SVG drawing that can be read ({error})") from error
+    curves = sum(len(one) for one in paths)
+    require_room(f"{path}: its {curves} curves", curves, "simplify the drawing", _MOST_CURVES)
+    most_pieces = max(1, min(_PIECES, _MOST_CURVES // max(curves, 1)))
     lines = []
     for one in paths:
         for part in one.continuous_subpaths():
             ends = [part.start]
             for segment in part:
-                pieces = 1 if type(segment).__name__ == "Line" else _PIECES
+                pieces = 1 if type(segment).__name__ == "Line" else most_pieces
                 ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
             if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(abs(end - ends[0]) for end in ends):
                 lines.append(np.array([[end.real, -end.imag] for end in ends]))
@@ -282,4 +334,4 @@ def _library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[outlines]'") from error
+        raise InvalidInput(f"this kind of file needs {name}: {install_words('outlines')}") from error

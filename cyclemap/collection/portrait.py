@@ -31,7 +31,6 @@ from cyclemap.maps import (
     crossings_by_jump,
     find_steps,
     fixed_points,
-    log10_passage_time,
     predict_staircase,
     rotation_number,
     sample_staircase,
@@ -277,6 +276,8 @@ def staircase_forecast(
     one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees. All else, and
     what is raised, as of `portrait`.
     """
+    from cyclemap.maps import log10_passage_time  # its SciPy is slow to import, and a portrait does without
+
     report = progress or (lambda fraction: None)
     cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
     noise, kicks = noises_of(loop, cycle_map, sigma)

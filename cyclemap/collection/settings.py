@@ -116,33 +116,24 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
-    shapes = [key for key in SHAPES if key in settings]
-    given = [key for key in SHARES if key in settings]
-    if shapes:
-        return _shaped(found, slider, settings, shapes[0], given)
+    given = [key for key in (*SHAPES, *SHARES) if key in settings]
     if not given:
         return found
-    if isinstance(found, PressedFootprint):
-        raise InvalidInput(f"{given[0]} beside shapes of floor or object: both tell how it rests; leave {given[0]} out")
     if isinstance(found, PointFootprint):
         raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
-    before = PatchFootprint(slider.outline, centre=slider.centre_of_mass) if found is None else found
-    return replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
-
-
-def _shaped(
-    found: Footprint | None, slider: Slider, settings: Settings, key: str, shares: list[str]
-) -> Footprint | None:
-    """The footprint with the shapes that are set; none where all is flat. key : one of those set, for a refusal."""
-    if isinstance(found, PointFootprint):
-        raise InvalidInput(f"{key} takes an outline, not support points: set footprint=exact, or leave {key} out")
-    if shares or (isinstance(found, PatchFootprint) and found.even_share != 1.0):
-        raise InvalidInput(f"{key} beside shares of the load: both tell how the object rests; set the shares to 0")
     plate, floor = (found.plate, found.floor) if isinstance(found, PressedFootprint) else (FLAT, FLAT)
     plate = replace(plate, **_numbers(settings, "footprint.plate"))
     floor = replace(floor, **_numbers(settings, "footprint.floor"))
+    before = (
+        found if isinstance(found, PatchFootprint) else PatchFootprint(slider.outline, centre=slider.centre_of_mass)
+    )
+    patch = replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
     if plate.is_flat and floor.is_flat:
-        return None
+        return patch if any(key in settings for key in SHARES) or isinstance(found, PatchFootprint) else None
+    shared = [key for key in SHARES if getattr(patch, key) != 0.0]
+    if shared:
+        told = f"{shared[0]}={getattr(patch, shared[0]):g}"
+        raise InvalidInput(f"{told} beside shapes of floor or object: both tell how it rests; set one of them to 0")
     return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass)
 
 

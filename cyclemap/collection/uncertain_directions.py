@@ -16,8 +16,11 @@ from numpy.typing import NDArray
 from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import sampled_loop
+from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
-from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.engine.parts import SHARES
+from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
+from cyclemap.mechanics.foundation import FLAT
 
 Array = NDArray[np.float64]
 
@@ -145,7 +148,7 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     turned = by["phi"] - by["n0"] * law.m0 + by["m0"] * law.n0
     by_shape = [by["m0"], by["n0"], by["mu_a"] / (2.0 * law.mu_a), by["mu_b"] / (2.0 * law.mu_b)]
     by_shape += [turned / round_law if round_law else np.zeros(_NODES)]
-    others = ("pusher_friction", "hitch_x", "hitch_y", "inner_share", "rim_share", "corner_share")
+    others = ("pusher_friction", "hitch_x", "hitch_y", *OF_PRESSURE)
     columns = np.array([*by_shape, *(np.nan_to_num(by[name]) for name in (*others, "pin_friction_radius"))])
     change = np.array([_coordinates(one, law.phi) for one in loops]) - _coordinates(loop, law.phi)
     # Slopes by the map's own derivative, and of the change by that of its Fourier series.
@@ -168,9 +171,21 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
     axes[1, 1] = axes[0, 0]
     shape = axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
     pressure, (x, y) = loop.model.pressure, loop.slider.hitch
-    shares = [getattr(pressure, name, 0.0) for name in ("inner_share", "rim_share", "corner_share")]
+    shares = [getattr(pressure, name, 0.0) for name in SHARES]
+    shapes = (pressure.floor, pressure.plate) if isinstance(pressure, PressedFootprint) else (FLAT, FLAT)
     ellipse = [*(axes @ (law.m0, law.n0)), shape[0, 0], shape[1, 1], shape[0, 1]]
-    return np.array([*ellipse, loop.pusher.friction, x, y, *shares, loop.reset.pin_friction_radius])
+    return np.array(
+        [
+            *ellipse,
+            loop.pusher.friction,
+            x,
+            y,
+            *shares,
+            *shapes[0].bend,
+            *shapes[1].bend,
+            loop.reset.pin_friction_radius,
+        ]
+    )
 
 
 def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:

@@ -10,37 +10,86 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import legendre
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
+from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
-from cyclemap.maps.lifts.scan import bracketed_root, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
-_GRADES = 2.0 ** -np.arange(0.0, 46.0)  # panels halve towards a fold, where ln|F'| is singular
-_GRADED_ORDER = 18  # enough for ln x on [h, 2h] to rounding
-_FOLD_RESOLUTION = 512
-_SMALL_SLOPE = 0.2  # of its mean: |F'| below that makes ln|F'| nearly singular
-_PROBES = np.append(np.append(1e-9, np.arange(1.0, 16.0) / 16.0), 1.0 - 1e-9)
+_SHORTEST = 1e-12  # radians: panels are not cut below this
+_PASSES = 64
+_POINTS = 16  # nodes a panel at least, where the map is given by formulas: as many as show what F is like
+_LEAST = 10  # nodes a panel there: enough for F times waves of θ that hardly turn on it
+_TAIL = 3  # last coefficients of a panel that must be small
+_RESOLVED = 1e-12  # radians: F's own last coefficients, rounding apart
+_HALF_RESOLVED = 3e-8  # of half a wave: its square, a whole one, is then integrated to rounding
+_LOG_RESOLVED = 1e-11  # of a panel's part of the integral of ln|F'|
+_PROBES = 3**10  # angles a turn at which F's waves are counted, and panels are tried: odd, so that few waves hide
+_GOLDEN = 0.6180339887498949  # share of a step between the nodes of a rule and those of a finer one
+_UNEVEN = 8.0  # times its own mean: where F' is steeper, panels need fewer nodes than a uniform grid
+_FLOOR = 1e-300
+_DIRECTIONS = ((1.0, 0.0), (0.8, 0.6), (0.8, -0.6))  # shares of F's waves and of θ's
+_STEEPNESS = np.append(np.append(1e-9, np.arange(1.0, 16.0) / 16.0), 1.0 - 1e-9)
 
 
 def circle_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights over one turn; ``finer`` times as many nodes as needed.
+    """Nodes and weights over one turn; ``finer`` times as many nodes as needed, between those of the plain rule.
 
     The trapezoidal rule for maps given by formulas without breaks (geometric convergence for analytic F:
-    Trefethen & Weideman 2014), else ``arc_rule``.
+    Trefethen & Weideman 2014), its nodes as many as F's own waves and the products ask for; else ``arc_rule``.
     """
-    if circle_map.breaks.size or circle_map.pieces is not None:
+    count = None
+    if not circle_map.breaks.size and circle_map.pieces is None:
+        count = _trapezoidal_count(circle_map, bandwidth)
+    if count is None:
         return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
-    grid = TWO_PI * np.arange(1024) / 1024
-    steepest = float(np.max(np.abs(circle_map.derivative(grid))))
-    if steepest > 8.0:
-        return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
-    count = finer * int(np.ceil(1.1 * bandwidth * np.hypot(1.0, steepest) + 48.0))
-    return TWO_PI * np.arange(count) / count, np.full(count, TWO_PI / count)
+    if finer * count > MAX_NODES:
+        raise too_many_nodes(finer * count)
+    nodes = finer * count + (finer > 1)
+    offset = _GOLDEN if finer > 1 else 0.0
+    return TWO_PI * (np.arange(nodes) + offset) / nodes, np.full(nodes, TWO_PI / nodes)
+
+
+def _trapezoidal_count(circle_map: CircleMap, bandwidth: float) -> int | None:
+    """Nodes with which no product of waves of θ and of F(θ) is taken for a constant; None where panels do better."""
+    theta = TWO_PI * np.arange(_PROBES) / _PROBES
+    turn = circle_map(theta) - circle_map.degree * theta
+    size = np.abs(np.fft.rfft(turn)) / _PROBES
+    noticed = np.flatnonzero(size > _RESOLVED / (1.0 + bandwidth) + 4.0 * EPS * (1.0 + float(np.max(np.abs(turn)))))
+    own = int(noticed[-1]) if noticed.size else 0
+    slope = np.abs(np.gradient(turn, theta) + circle_map.degree)
+    steepest = float(np.max(slope))
+    if own > _PROBES // 4 or steepest > _UNEVEN * max(1.0, float(np.sqrt(np.mean(slope**2)))):
+        return None
+    # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of both fall.
+    whole, needed = int(np.ceil(bandwidth)), 0
+    for share in (0.0, 0.4, 0.7, 0.9, 1.0):
+        order, other = int(np.ceil(share * whole)), int(np.ceil(np.sqrt(1.0 - share**2) * whole))
+        reach = _wave_reach(circle_map, order, own, steepest)
+        if reach is None:
+            return None
+        needed = max(needed, reach + other + own)
+    return needed + 48
+
+
+def _wave_reach(circle_map: CircleMap, order: int, own: int, steepest: float) -> int | None:
+    """The highest wave in e^{i·order·F} above rounding; None where 400,000 nodes cannot tell."""
+    count = int(4.0 * (1.1 * order * steepest + 2.0 * own + 64.0))
+    while count <= MAX_NODES:
+        count += 1 - count % 2
+        theta = TWO_PI * np.arange(count) / count
+        size = np.abs(np.fft.fft(np.exp(1j * order * circle_map(theta)))) / count
+        noticed = np.flatnonzero(size > 16.0 * EPS * (1.0 + order))
+        reach = int(np.max(np.minimum(noticed, count - noticed)))
+        if reach < 0.45 * count:
+            return reach
+        count *= 2
+    return None
 
 
 def arc_rule(
@@ -51,41 +100,138 @@ def arc_rule(
     finer: int = 1,
     every_sample: bool = True,
 ) -> tuple[Array, Array]:
-    """Gauss-Legendre panels on [start, end]: none crosses a break, each order fits its phase.
+    """Gauss-Legendre panels on [start, end]: none crosses a break, F is resolved on each, each order fits its phase.
 
     With ``every_sample`` none crosses a sample of a sampled map either, where F'' jumps; without, far
-    fewer nodes.
+    fewer nodes. Raises ConvergenceError where more than 400,000 nodes are needed.
     """
-    return _on_panels(circle_map, _edges(circle_map, start, end, every_sample), bandwidth, finer)
+    edges = _edges(circle_map, start, end, every_sample)
+    if circle_map.pieces is not None:
+        return _on_panels(circle_map, edges, bandwidth, finer)
+    resolved = _resolved_edges(circle_map, edges)
+    return _on_panels(circle_map, resolved, bandwidth, finer, _LEAST)
+
+
+def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False) -> Array:
+    """``edges`` and more between them, until F is a polynomial of degree below 16 on each panel.
+
+    logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then at angles between
+    them no further apart than a ten-thousandth of a radian.
+    """
+    open_left, open_right, done = edges[:-1], edges[1:], [edges]
+    probed = False
+    for _ in range(_PASSES):
+        if open_left.size * _POINTS > MAX_NODES:
+            raise too_many_nodes(open_left.size * _POINTS)
+        rough = _is_rough(circle_map, open_left, open_right - open_left, logarithm)
+        left, right = open_left[rough], open_right[rough]
+        if left.size == 0 and not probed and circle_map.pieces is None:
+            ends = np.unique(np.concatenate(done))
+            missed = _missed_by_nodes(circle_map, ends)
+            left, right = ends[:-1][missed], ends[1:][missed]
+            probed = left.size == 0
+        if left.size == 0:
+            break
+        middle = 0.5 * (left + right)
+        done.append(middle)
+        open_left, open_right = np.append(left, middle), np.append(middle, right)
+    return np.unique(np.concatenate(done))
+
+
+def _is_rough(circle_map: CircleMap, left: Array, width: Array, logarithm: bool) -> Mask:
+    """Which panels' nodes show more of F than polynomials of their degree hold."""
+    x, _ = gauss_rule(left, width, _POINTS)
+    to_coefficients = _to_coefficients(_POINTS)
+    image = circle_map(x)
+    here = image.reshape(-1, _POINTS)
+    tail = np.sum(np.abs(here @ to_coefficients[:, -_TAIL:]), axis=1)
+    rough = tail > _RESOLVED + 4.0 * LIFT * (TWO_PI + np.max(np.abs(here), axis=1))
+    if logarithm:
+        log = np.log(np.maximum(np.abs(circle_map.derivative(x)), _FLOOR)).reshape(-1, _POINTS)
+        rough |= np.sum(np.abs(log @ to_coefficients[:, -_TAIL:]), axis=1) * width > _LOG_RESOLVED
+    return np.asarray(rough & (width > _SHORTEST))
+
+
+def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
+    """Which panels F departs from its polynomial on between their nodes."""
+    left, width = edges[:-1], np.diff(edges)
+    x, _ = gauss_rule(left, width, _POINTS)
+    coefficients = circle_map(x).reshape(-1, _POINTS) @ _to_coefficients(_POINTS)
+    count = np.ceil(width * (_PROBES / TWO_PI)).astype(np.int64)
+    owner = np.repeat(np.arange(width.size), count)
+    share = (np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count) + _GOLDEN) / count[owner]
+    image = circle_map(left[owner] + share * width[owner])
+    expected = np.einsum("ij,ij->i", legendre.legvander(2.0 * share - 1.0, _POINTS - 1), coefficients[owner])
+    off = np.abs(image - expected) > 16.0 * (_RESOLVED + 4.0 * LIFT * (TWO_PI + np.abs(image)))
+    return np.asarray((np.bincount(owner, off, width.size) > 0) & (width > _SHORTEST))
+
+
+def too_many_nodes(count: int) -> ConvergenceError:
+    """What is said where a rule would need more nodes than are allowed."""
+    return ConvergenceError(
+        f"the map needs {count} quadrature nodes, more than {MAX_NODES}: it is too steep, or has too fine a structure, "
+        "for so small a noise; raise the noise or smooth the map"
+    )
 
 
 def _on_panels(
     circle_map: CircleMap, edges: Array, bandwidth: float, finer: int, least: int = 3
 ) -> tuple[Array, Array]:
     """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its phase."""
-    inner = edges[:-1, None] + np.diff(edges)[:, None] * _PROBES
-    steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
-    phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * np.diff(edges)
-    parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
-    width = np.repeat(np.diff(edges) / parts, parts)
-    left = np.repeat(edges[:-1], parts)
-    left = left + (np.arange(width.size) - np.repeat(np.cumsum(parts) - parts, parts)) * width
-    phase = np.repeat(phase / parts, parts)
-    order = finer * np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
+    open_left, open_width, done = edges[:-1], np.diff(edges), []
+    for _ in range(_PASSES):
+        left, width, order = _fitted(circle_map, open_left, open_width, bandwidth, least)
+        rough = np.zeros(left.size, dtype=bool)
+        if circle_map.pieces is None:  # within cubics the phase tells all
+            rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (width > _SHORTEST)
+        done.append((left[~rough], width[~rough], order[~rough]))
+        if not np.any(rough):
+            break
+        half = 0.5 * width[rough]
+        open_left, open_width = np.append(left[rough], left[rough] + half), np.append(half, half)
+    left, width, order = (np.concatenate(column) for column in zip(*done, strict=True))
+    order = finer * order
     if int(order.sum()) > MAX_NODES:
-        raise ConvergenceError(
-            f"the map needs {int(order.sum())} quadrature nodes, more than {MAX_NODES}: it is too steep "
-            "for so small a noise; raise the noise"
-        )
-    nodes, weights, place = [], [], []
+        raise too_many_nodes(int(order.sum()))
+    nodes, weights = [], []
     for points in np.unique(order):
         use = order == points
         x, w = gauss_rule(left[use], width[use], int(points))
         nodes.append(x)
         weights.append(w)
-        place.append(np.repeat(np.flatnonzero(use), points))
-    owner = np.argsort(np.concatenate(place), kind="stable")
-    return np.concatenate(nodes)[owner], np.concatenate(weights)[owner]
+    theta = np.concatenate(nodes)
+    place = np.argsort(theta, kind="stable")
+    return theta[place], np.concatenate(weights)[place]
+
+
+def _fitted(
+    circle_map: CircleMap, left: Array, width: Array, bandwidth: float, least: int
+) -> tuple[Array, Array, Whole]:
+    """Panels cut until their phase, of waves of θ and of F together, is at most 60, and the order that it asks for."""
+    inner = left[:, None] + width[:, None] * _STEEPNESS
+    steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
+    phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * width
+    if not float(np.sum(phase)) < 60.0 * MAX_NODES:
+        raise too_many_nodes(int(min(np.sum(phase), 1e18)))
+    parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
+    rank = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
+    narrow = np.repeat(width / parts, parts)
+    phase = np.repeat(phase / parts, parts)
+    order = np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
+    return np.repeat(left, parts) + rank * narrow, narrow, order
+
+
+def _has_rough_waves(circle_map: CircleMap, left: Array, width: Array, order: Whole, bandwidth: float) -> Mask:
+    """Which panels have too few nodes for half a wave of F, or of F and θ, whose square is a whole one."""
+    rough = np.zeros(left.size, dtype=bool)
+    for points in np.unique(order).tolist():
+        use = np.flatnonzero(order == points)
+        x, _ = gauss_rule(left[use], width[use], points)
+        image, last = circle_map(x), _to_coefficients(points)[:, -_TAIL:]
+        for share, other in _DIRECTIONS:
+            wave = np.exp(0.5j * bandwidth * (share * image + other * x)).reshape(-1, points)
+            rough[use] |= np.max(np.abs(wave @ last), axis=1) > _HALF_RESOLVED
+    return rough
 
 
 def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) -> Array:
@@ -101,51 +247,24 @@ def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) 
 
 
 def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights over one turn on panels that shrink towards each (near) zero of F' from both sides.
+    """Nodes and weights over one turn on panels that shrink towards each (near) zero of F'.
 
     For integrands with a logarithm of |F'|, singular where F' = 0, times a density of that bandwidth.
     """
-    centres = _near_critical(circle_map)
-    if centres.size == 0:
-        return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
-    # Panel ends about each centre, at distances that halve.
-    ahead = np.append(centres[1:], centres[0] + TWO_PI)
-    reach = 0.5 * np.minimum(ahead - centres, 1.0)[:, None] * _GRADES
-    reach = np.column_stack([np.zeros(centres.size), reach])
-    marks = np.union1d(centres[:, None] + reach, ahead[:, None] - reach)
-    plain = _edges(circle_map, float(centres[0]), float(centres[0]) + TWO_PI, True)
-    return _on_panels(circle_map, np.union1d(marks, plain), bandwidth, finer, _GRADED_ORDER)
-
-
-def _near_critical(circle_map: CircleMap) -> Array:
-    """Folds, and where |F'| comes near 0 without passing through it: at its small minima and beside breaks."""
-    cells = monotone_cells(circle_map, 1, 0.0, _FOLD_RESOLUTION)
-    after, before = np.abs(cells.slope_start), np.abs(np.roll(cells.slope_end, 1))
-    small = np.minimum(after, before) < _SMALL_SLOPE * np.mean(after)
-    low = small & ~cells.cut & (after <= np.roll(after, 1)) & (after <= np.roll(after, -1))
-    low &= cells.slope_start != 0.0
-    folds = np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut])
-    reach, h = TWO_PI / _FOLD_RESOLUTION, 1e-3
-
-    def curvature(theta: Array) -> Array:
-        slope = circle_map.derivative
-        return 8.0 * (slope(theta + h) - slope(theta - h)) - (slope(theta + 2 * h) - slope(theta - 2 * h))
-
-    # The minima of |F'| next to the low cells: roots of its difference of fourth order, else their starts.
-    minima = cells.start[low]
-    bracketed = curvature(minima - reach) * curvature(minima + reach) < 0.0
-    if np.any(bracketed):
-        near = minima[bracketed]
-        minima[bracketed] = bracketed_root(lambda x, _: curvature(x), near - reach, near + reach)
-    found = np.concatenate([folds, cells.start[small & cells.cut], minima])
-    found = np.sort(np.mod(found, TWO_PI))
-    return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
+    edges = _resolved_edges(circle_map, _edges(circle_map, 0.0, TWO_PI, True), logarithm=True)
+    return _on_panels(circle_map, edges, bandwidth, finer, _POINTS)
 
 
 def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
     """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width], panel by panel."""
     x, w = _gauss(points)
     return (left[:, None] + width[:, None] * (0.5 + 0.5 * x)).ravel(), (0.5 * width[:, None] * w).ravel()
+
+
+@lru_cache(maxsize=256)
+def _to_coefficients(points: int) -> Array:
+    """Values at the nodes of a panel, as rows, times this are their Legendre coefficients."""
+    return read_only(np.linalg.inv(legendre.legvander(_gauss(points)[0], points - 1)).T)
 
 
 @lru_cache(maxsize=256)

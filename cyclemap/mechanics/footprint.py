@@ -279,6 +279,11 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     """
     if isinstance(footprint, PointFootprint):
         return footprint
+    if isinstance(footprint, PressedFootprint):
+        raise InvalidInput(
+            "the pressure under a floor or plate with a shape changes as the object turns: no "
+            "support points have it; leave floor and plate flat"
+        )
     even = grid_footprint(footprint.outline, count)
     if footprint.even_share == 1.0 and footprint.gradient == (0.0, 0.0):
         return even

@@ -98,10 +98,10 @@ class PlatePressure:
         return {key: value for key, value in (self.shares | shape).items() if value}
 
     @classmethod
-    def of_numbers(cls, plate: str, numbers: Mapping[str, float]) -> "PlatePressure":
+    def of_numbers(cls, plate: str, numbers: Mapping[str, object]) -> "PlatePressure":
         """Return what a material file holds of a plate."""
-        shares = {key: numbers[key] for key in SHARE_KEYS if key in numbers}
-        return cls(plate, **shares, shape=shape_of_numbers(numbers, PLATE_SHAPE_KEYS))
+        inner, rim, corner = (finite_number(key, numbers.get(key, 0.0)) for key in SHARE_KEYS)
+        return cls(plate, inner, rim, corner, shape_of_numbers(numbers, PLATE_SHAPE_KEYS))
 
 
 @dataclass(frozen=True)
@@ -118,10 +118,11 @@ def shape_numbers(shape: SurfaceShape, keys: tuple[str, ...]) -> dict[str, float
 
 
 def shape_of_numbers(
-    numbers: Mapping[str, float], keys: tuple[str, ...], before: SurfaceShape = FLAT
+    numbers: Mapping[str, object], keys: tuple[str, ...], before: SurfaceShape = FLAT
 ) -> SurfaceShape:
     """Return the shape that three keys of a file tell; what they do not is as `before`."""
-    known = shape_numbers(before, keys) | {key: numbers[key] for key in keys if key in numbers}
+    known: dict[str, object] = {**shape_numbers(before, keys)}
+    known |= {key: numbers[key] for key in keys if key in numbers}
     dome, bow, axis_deg = (finite_number(key, known[key]) for key in keys)
     return SurfaceShape(dome, bow, math.radians(axis_deg))
 

@@ -51,7 +51,9 @@ _DRAWN_TABLES = {
 }
 # What a file may hold beside a surface: the object on it, and what is done to it
 # (`cyclemap.collection`).
-_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
+_OTHER_TABLES = (
+    *("object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data"),
+)
 
 
 def material_names() -> tuple[str, ...]:
@@ -153,6 +155,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
     frames = _table(table, "frames")
     floor = _table(table, "floor_shape", FLOOR_SHAPE_KEYS)
     spread = _table(table, "session_spread", SPREAD_KEYS)
+    dome, bow_x, bow_y = (finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS)
     sessions = []
     for session in _table(table, "sessions"):
         told_shape = _table(
@@ -204,7 +207,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         ),
         floor=shape_of_numbers(floor, FLOOR_SHAPE_KEYS),
         sessions=tuple(sessions),
-        session_spread=tuple(finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS),
+        session_spread=(dome, bow_x, bow_y),
     )
 
 

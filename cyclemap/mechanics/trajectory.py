@@ -153,11 +153,14 @@ class PushResult(Stroke):
     `left`.
 
     A rod leaves where it no longer approaches; one that still sticks then could pull the object
-    along by friction for a while: here it leaves. `course` is what was run.
+    along by friction for a while: here it leaves. `is_ambiguous`: it came into a concave corner
+    from which more than one motion balances all forces, mostly being wedged beside another one;
+    that without squeezing was taken. `course` is what was run.
     """
 
     ended: str
     travel: float
+    is_ambiguous: bool
     course: Course
 
     @cached_property

@@ -148,7 +148,7 @@ def run_sweep(
 
     Only this process writes. Memory does not grow with the length of the sweep: at most twice as many chunks as
     workers are on their way. What is found depends neither on the number or kind of workers nor on interruptions, as
-    long as the machines round alike (of several, all with a C compiler or none).
+    long as the machines round alike (of several, all with one library of the engine and processors of one kind).
     Two sweeps into one store at once do no harm, but do the work twice. Scripts that use processes guard their main
     part by ``if __name__ == "__main__"``.
 

@@ -64,12 +64,18 @@ def audit_paragraph(found: Audit) -> str:
             f"Weigh what follows push {start} less, or leave it out; for more data change the reset (cyclemap reset "
             f"finds one) and begin at {aim}, the orientation least covered."
         )
-    return " ".join([cover, gathered, worth, _undone(found.reset), change])
+    return " ".join([cover, gathered, worth, _undone(found), change])
 
 
-def _undone(reset: ResetEffect | None) -> str:
+def _undone(found: Audit) -> str:
+    reset: ResetEffect | None = found.reset
+    if reset is None and found.posed:
+        return (
+            "What the reset did cannot be said: poses before and after pushes are there, but not in a row of pushes "
+            "that follow each other: it takes their numbers, a column rep, and no orientations set at random."
+        )
     if reset is None:
-        return "What the reset did cannot be said: the data do not have the poses before and after pushes in a row."
+        return "What the reset did cannot be said: the data have no poses after pushes."
     turns = (np.degrees(turn) for turn in (reset.push_turn, reset.reset_turn))
     push, back = (f"{turn.mean():.1f}° ± {turn.std():.1f}°" for turn in turns)
     moved = angle(float((reset.push_turn + reset.reset_turn).mean()))

@@ -47,7 +47,7 @@ def fingerprint_page(
         told.append(check_sentence(checked))
     numbers = "   ".join(
         f"{symbol} {value}°"
-        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
+        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃"), seven_numbers(found.cycle), strict=True)
     )
     foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
     style.write_page(figure, title, told, foot, top=0.925, letters=170)
@@ -102,9 +102,10 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
     return np.degrees(_ANGLES), np.degrees(0.01 * turn)
 
 
-def five_numbers(response: TurnResponse) -> tuple[str, ...]:
-    """Ω, A₁, δ₁, A₂, δ₂ in degrees, as text with three decimals."""
-    names = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
+    """Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃ in degrees, as text with three decimals."""
+    harmonics = [f"{part}_{number}" for part in ("offset", "ellipse", "bow") for number in ("amplitude", "phase")]
+    names = ("turn", *harmonics)
     return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
 
 
@@ -114,7 +115,16 @@ def protocol_sentence(found: Fingerprint) -> str:
     offset, ellipse = (angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude))
     return (
         f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({parts}); an offset of 1 % "
-        f"changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}."
+        f"changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}, a floor with a bow of 0.1 mean "
+        f"pressures at 50 mm by up to {angle(0.1 * whole.bow_amplitude, 2)}."
+    )
+
+
+def bow_sentence(found: Fingerprint, bow: float) -> str:
+    """What stands instead of a prediction where the floor has a bow."""
+    return (
+        f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by up to "
+        f"{angle(bow * found.cycle.bow_amplitude, 1)}. No direction is predicted from that; portrait computes the map."
     )
 
 

@@ -8,6 +8,7 @@ import textwrap
 import numpy as np
 from matplotlib.figure import Figure
 
+from cyclemap.evidence.plausibility import MOST_RATIO
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.views.sentences import angle, orientation_and_push
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, degree_axis, new_figure, picture_style
@@ -34,6 +35,12 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
     else:
         low, high = (angle(turn) for turn in found.turns)
         locks = f"nowhere: a cycle turns it by {low} to {high}"
+    if found.ratio[1] > MOST_RATIO:
+        return (
+            f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, {len(found.theta)} pushes).",
+            f"A friction ellipse would need axes {found.ratio[0]:.3g} : 1, and no floor that was measured has them "
+            "beyond 1.7 : 1: this cannot be friction. Look at object, push, units and --angles of the data.",
+        )
     return (
         f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, {len(found.theta)} pushes).",
         f"A friction ellipse with axes {found.ratio[0]:.4g} : 1 ({found.ratio[1]:.4g} to {found.ratio[2]:.4g}), longer "

@@ -27,8 +27,8 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
     edges = {"left": 0.06, "right": 0.985, "bottom": 0.115, "top": 0.755}
     grid = GridSpec(2, 2, figure, width_ratios=(1.0, 1.0), wspace=0.17, hspace=0.5, **edges)
     axes = figure.add_subplot(grid[:, 0])
-    if measured is not None:
-        fitted = np.degrees(measured.run.theta)
+    if measured is not None and measured.foretold is not None:
+        fitted = np.degrees(measured.foretold.run.theta)
         label = "map fitted to all data alike, without wear"
         axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label=label, zorder=4)
     draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
@@ -38,7 +38,10 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
     steps, lengths = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
     shown = forecast if measured is None else measured
     draw_steps(steps, forecast.run.theta if measured is None else measured.path, shown.steps)
-    draw_step_lengths(lengths, shown.steps, shown.comparison)
+    comparison: StepComparison | None = forecast.comparison
+    if measured is not None:
+        comparison = None if measured.foretold is None else measured.foretold.comparison
+    draw_step_lengths(lengths, shown.steps, comparison)
     steps.set_title(f"Dwells, {'predicted' if measured is None else 'measured'}")
     # Above the legend, whose words may be long.
     lengths.set_title("Lengths", pad=22.0)
@@ -95,8 +98,11 @@ def measured_sentence(measured: MeasuredStaircase) -> str:
 
 def fitted_sentence(measured: MeasuredStaircase) -> str:
     """What the map fitted to the data predicts, beside what was measured."""
-    fitted, comparison = measured.prediction, measured.comparison
-    law = f"{measured.fitted.law.harmonics} harmonics and {angle(measured.fitted.sigma)} of noise"
+    if measured.foretold is None:
+        return f"No map is fitted to them: {measured.problem}."
+    found = measured.foretold
+    fitted, comparison = found.prediction, found.comparison
+    law = f"{found.fitted.law.harmonics} harmonics and {angle(found.fitted.sigma)} of noise"
     if fitted.step is None or comparison.net_steps is None or comparison.expected_steps is None:
         return f"The map fitted to them ({law}) has no flat step."
     climbed = f"where {comparison.net_steps:.1f} were climbed"

@@ -8,7 +8,9 @@ from textwrap import fill
 from typing import Any
 
 import matplotlib
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -112,13 +114,22 @@ def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
     if picture_format not in _SAVED:
         raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(_SAVED)}")
-    for text in figure.findobj(Text):
+    for text in _texts(figure):
         # A dollar sign in a name begins no formula; one that is escaped already stays so.
         text.set_text(re.sub(r"(?<!\\)\$", r"\$", typeset(printable(text.get_text()))))
     buffer = BytesIO()
     with picture_style():
         figure.savefig(buffer, format=picture_format, dpi=dpi, **_SAVED[picture_format])
     return buffer.getvalue()
+
+
+def _texts(artist: Artist) -> Iterator[Text]:
+    """The texts in `artist` but for labels of ticks: drawing makes those, of the ticks that are seen."""
+    if isinstance(artist, Text):
+        yield artist
+    parts = [artist.label, artist.offsetText] if isinstance(artist, Axis) else artist.get_children()
+    for part in parts:
+        yield from _texts(part)
 
 
 def degree_axis(axes: Axes, label: str = THETA0) -> None:

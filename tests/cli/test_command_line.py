@@ -98,6 +98,16 @@ def test_version_and_help_answer_without_a_numerical_library(capsys) -> None:
         assert f"'{heavy}'" not in modules
 
 
+@pytest.mark.slow
+def test_a_portrait_does_without_scipy(here) -> None:
+    """It takes a fifth as long to import as all of the rest to draw."""
+    code = (
+        "import sys; from cyclemap.cli.main import run; "
+        "code = run(['portrait', 'plywood']); sys.exit(code or 'scipy' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False, cwd=here).returncode == 0
+
+
 def test_no_command_shows_the_help_and_exits_2(capsys) -> None:
     assert run([]) == 2
     shown = capsys.readouterr()

@@ -204,9 +204,11 @@ def test_what_the_folder_of_a_log_says_of_the_push_holds_for_identify_and_portra
     (here / "data").mkdir()
     (here / "data" / "collection.toml").write_text("push_mm = 60\nfraction = 0.6\n")
     loop, rows = CollectionLoop.from_settings({"push_mm": 60, "fraction": 0.6, "mu_a": 0.3, "mu_b": 0.2}), []
-    for theta in np.linspace(0.1, 6.0, 12):
+    theta = 0.1
+    for _ in range(12):
         end = loop.model.push(loop.start_pose(theta), loop.push).end
         rows.append(f"{loop.start_pose(theta).x},{loop.start_pose(theta).y},{theta},{end.x},{end.y},{end.theta}\n")
+        theta = loop.cycle(theta).theta_next
     (here / "data" / "log.csv").write_text("start_x,start_y,start_yaw,end_x,end_y,end_yaw\n" + "".join(rows))
     few = ["--units", "rad,m", "--starts", "1", "--folds", "0"]
     ratio = next(
@@ -218,7 +220,8 @@ def test_what_the_folder_of_a_log_says_of_the_push_holds_for_identify_and_portra
 
 
 def test_a_report_judges_poses_that_tell_no_cycle_and_a_portrait_says_that_they_tell_none(here, refused) -> None:
-    poses = "".join(f"0,0,{a},0.04,-0.07,{a + 1.3},150\n" for a in np.linspace(0.0, 6.0, 30))
+    turned = ((a, (0.04 - 0.07j) * np.exp(1j * a)) for a in np.linspace(0.0, 6.0, 30))
+    poses = "".join(f"0,0,{a},{moved.real},{moved.imag},{a + 1.3},150\n" for a, moved in turned)
     (here / "ends.csv").write_text("x0,y0,theta0,x1,y1,theta1,push_mm\n" + poses)
     assert run(["report", "isotropic", "--data", "ends.csv"]) == 0
     assert "ends.csv" in (here / "out" / "report_isotropic.html").read_text()

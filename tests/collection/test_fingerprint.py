@@ -16,7 +16,7 @@ from cyclemap.collection import (
     fingerprint,
     predict,
 )
-from cyclemap.collection.fingerprint import MOST_ELLIPTICITY, with_anisotropy
+from cyclemap.collection.fingerprint import MOST_ELLIPTICITY, with_anisotropy, with_bow
 from cyclemap.collection.fingerprint_prediction import (
     DRIFTS,
     LOCKS,
@@ -25,7 +25,7 @@ from cyclemap.collection.fingerprint_prediction import (
     full_lock_in,
     lock_in_boundary,
 )
-from cyclemap.errors import ConvergenceError
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.mechanics import EllipseFriction
 
@@ -278,3 +278,21 @@ def test_without_a_friction_on_the_rod_the_second_order_is_not_found() -> None:
     assert slippery.fingerprint.hessian_error > 0.02 * np.abs(slippery.fingerprint.cycle.hessian).max()
     usual = CollectionLoop.mit()
     assert predict(fingerprint(usual), usual.material.friction).second_order_found
+
+
+def test_the_floors_bow_adds_a_second_harmonic_whose_size_and_place_two_routes_tell():
+    # One route is the engine's derivatives by the bow at one orientation, the other the harmonics of a bowed map.
+    loop = replace(CollectionLoop.mit(), accuracy=1e-10)
+    response, small = fingerprint(loop).cycle, 0.01
+    bowed = with_anisotropy(with_bow(loop, small), Anisotropy(0.0, 0.0, 0.0, 0.0))
+    theta = 2.0 * np.pi * np.arange(16) / 16
+    second = np.fft.rfft(bowed.next_theta(theta) - theta)[2] / 8.0 / small
+    assert abs(second) == pytest.approx(response.bow_amplitude, rel=1e-4)
+    assert -np.angle(second) == pytest.approx(response.bow_phase, abs=1e-4)
+
+
+def test_a_prediction_for_a_flat_floor_is_not_checked_against_a_bowed_one():
+    loop = CollectionLoop.mit()
+    prediction = predict(fingerprint(loop), loop.material.friction)
+    with pytest.raises(InvalidInput, match="floor_bow=0"):
+        check_prediction(prediction, with_bow(loop, 1.0))

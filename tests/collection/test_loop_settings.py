@@ -6,9 +6,17 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS
-from cyclemap.errors import CycleMapError
-from cyclemap.mechanics import PatchFootprint, Slider, corner_footprint, grid_footprint
+from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHAPES
+from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.mechanics import (
+    PatchFootprint,
+    PressedFootprint,
+    Slider,
+    SurfaceShape,
+    corner_footprint,
+    grid_footprint,
+    resting_pressure,
+)
 
 MIT = CollectionLoop.mit()
 
@@ -38,13 +46,56 @@ PLACES = {
 
 
 def test_every_setting_reaches_its_place_in_si_units_and_no_other():
-    others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint"}
+    others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint", *SHAPES}
     assert set(PLACES) | others | {NOISE_KEY} == set(SETTINGS)
     for key, (value, read, wanted) in PLACES.items():
         loop = CollectionLoop.from_settings({key: value})
         assert read(loop) == pytest.approx(wanted, rel=1e-15)
         for other, (_, read_other, _) in PLACES.items():
             assert other == key or read_other(loop) == read_other(MIT)
+
+
+def test_shapes_of_floor_and_plate_reach_the_footprint_in_mean_pressures():
+    both = {
+        "floor_dome": 2,
+        "floor_bow": 3,
+        "floor_bow_deg": 90,
+        "plate_dome": -1,
+        "plate_warp": 0.5,
+        "plate_warp_deg": 45,
+    }
+    footprint = CollectionLoop.from_settings(both).footprint
+    assert footprint == PressedFootprint(
+        MIT.slider.outline, SurfaceShape(-1.0, 0.5, math.pi / 4), SurfaceShape(2.0, 3.0, math.pi / 2), (0.0, 0.0)
+    )
+    flat = dict.fromkeys(both, 0)
+    assert CollectionLoop.from_settings(flat, CollectionLoop.from_settings(both)).footprint is None
+
+
+def test_a_heavier_object_has_less_of_a_shape_and_rests_more_evenly():
+    light = CollectionLoop.from_settings({"floor_dome": 2, "floor_bow": 2})
+    heavy = CollectionLoop.from_settings({"mass_kg": 3 * light.slider.mass}, light)
+    assert heavy.footprint.floor.dome == pytest.approx(2 / 3, rel=1e-15)
+    corner, middle = ([(0.045, 0.045)], [(0.0, 0.0)])
+    contrast = [
+        float((resting_pressure(loop.footprint, 0.0, corner) - resting_pressure(loop.footprint, 0.0, middle))[0])
+        for loop in (light, heavy)
+    ]
+    assert 0.0 < contrast[1] < contrast[0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"floor_dome": 1, "rim_share": 0.2}, "rim_share=0.2 beside shapes"),
+        ({"floor_dome": 1, "footprint": "grid:8"}, "floor_dome belongs to the exact footprint"),
+        ({"floor_dome": 1001}, "rigid"),
+        ({"plate_warp": math.nan}, "plate_warp"),
+    ],
+)
+def test_shapes_that_cannot_be_are_refused_by_name(settings, words):
+    with pytest.raises(InvalidInput, match=words):
+        CollectionLoop.from_settings(settings)
 
 
 def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():

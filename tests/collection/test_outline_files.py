@@ -156,4 +156,51 @@ def test_what_is_no_outline_another_kind_of_file_and_a_missing_library_are_told(
         raise ImportError(name)
 
     monkeypatch.setattr(outline_files, "import_module", missing)
-    refused(read_outline, tmp_path / "tee.svg", told=r"needs svgpathtools: pip install 'cyclemap\[outlines\]'")
+    refused(read_outline, tmp_path / "tee.svg", told=r"needs svgpathtools: python -m pip install '\.\[outlines\]'")
+
+
+@pytest.mark.parametrize(
+    ("text", "width", "height", "unit"),
+    [
+        ("x_mm,y_mm\n0,0\n80,0\n80,20\n", 80.0, 20.0, None),
+        ("y_mm,x_mm\n0,0\n0,80\n20,80\n", 80.0, 20.0, None),
+        ("id,x_mm,y_mm\n1,0,0\n2,80,0\n3,80,20\n", 80.0, 20.0, None),
+        ("x_cm,y_cm\n0,0\n8,0\n8,2\n", 80.0, 20.0, None),
+        ("x_in,y_in\n0,0\n2,0\n2,1\n", 50.8, 25.4, None),
+        ("X [mm];Y [mm]\n0,5;0,0\n80,5;0,0\n80,5;20,0\n", 80.0, 20.0, None),
+        ("0,5;0,0\n80,5;0,0\n80,5;20,0\n", 80.0, 20.0, "mm"),
+        ("0,0\n80,0\n80,20\n", 80.0, 20.0, None),
+        ("x,y\n0,0\n8,0\n8,2\n", 80.0, 20.0, "cm"),
+    ],
+)
+def test_vertices_are_read_by_the_names_and_units_of_their_columns(tmp_path, text, width, height, unit) -> None:
+    """Size, and which corner is the right one: a mirror image has it elsewhere."""
+    (tmp_path / "part.csv").write_text(text)
+    corners = 1e3 * read_outline(tmp_path / "part.csv", unit).outline.array
+    assert np.ptp(corners, axis=0) == pytest.approx([width, height], abs=1e-6)
+    right_angle = corners[
+        np.argmin([abs((corners[k - 1] - corners[k]) @ (corners[k - 2] - corners[k])) for k in range(3)])
+    ]
+    assert right_angle == pytest.approx([width / 3.0, -height / 3.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("1,0,0\n2,80,0\n3,80,20\n", "3 columns without names: which are x and y"),
+        ("a,b\n0,0\n80,0\n80,20\n", "the header is a,b: name the columns x and y"),
+        ("x_mm,y_cm\n0,0\n80,0\n80,2\n", "x and y in different units"),
+        ("x_ells,y_ells\n0,0\n80,0\n80,2\n", "ells is no unit"),
+        ("x_mm,y_mm,x_cm\n0,0,0\n80,0,8\n80,2,8\n", "may both be x"),
+    ],
+)
+def test_vertices_whose_columns_are_unclear_are_refused(tmp_path, text, told) -> None:
+    (tmp_path / "part.csv").write_text(text)
+    refused(read_outline, tmp_path / "part.csv", told=told, kind=DataFileError)
+
+
+def test_a_drawing_of_very_many_curves_is_refused_before_it_is_cut_up(tmp_path) -> None:
+    pytest.importorskip("svgpathtools")
+    curves = "".join(f"C{k} 0 {k} 1 {k + 1} {k % 2}" for k in range(31_000))
+    (tmp_path / "many.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0{curves}Z"/></svg>')
+    refused(read_outline, tmp_path / "many.svg", told="curves: 3.1e.04, of at most 3e.04; simplify the drawing")

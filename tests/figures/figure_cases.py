@@ -47,8 +47,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "wear-drift": {"points": 5},
     "locking-in": {"start": np.radians(38.0), "locked": np.radians(3.0), "pace": ((1, 3, 2),), "slow": (2, 2)},
 }
-UNIT = re.compile(r"\((mm|mm/s|°|1|N|per degree)\)")
-DIMENSIONLESS = ("coefficient", "cycle")
+UNIT = re.compile(r"\((mm|mm/s|°|1|N|per degree|mean pressures)\)")
+DIMENSIONLESS = ("coefficient", "cycle", "harmonic")
 
 
 def recorded_loop(material: str) -> CollectionLoop:

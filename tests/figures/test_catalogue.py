@@ -19,7 +19,7 @@ def test_every_exhibit_is_in_the_catalogue_once_and_is_a_figure_a_table_or_an_an
         import_module(f"cyclemap.figures.{path.stem}") for path in Path(cyclemap.figures.__file__).parent.glob("*.py")
     ]
     exhibits = {module for module in modules if hasattr(module, "compute")}
-    assert {load_exhibit(name) for name in NAMES} == exhibits and len(exhibits) == len(NAMES) == 21
+    assert {load_exhibit(name) for name in NAMES} == exhibits and len(exhibits) == len(NAMES) == 22
     for exhibit in exhibits:
         assert callable(exhibit.caption)
         assert sum(hasattr(exhibit, kind) for kind in ("draw", "rows", "frames")) == 1

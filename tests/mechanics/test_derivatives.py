@@ -163,6 +163,31 @@ def test_a_cycles_derivatives_by_all_parameters_are_its_differences(name):
     assert lacking <= {*SHARES, "pusher_radius", "fraction"} and (name in SOLID) <= (not lacking)
 
 
+NOTCH = Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03)))
+OF_SLOT = ((0.004, 0.03), (0.004, 0.0), (-0.004, 0.0), (-0.004, 0.03))
+SLOT = Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), *OF_SLOT, (-0.05, 0.03)))
+# Through concave corners: outline, rod, push, orientation, how the rod goes on.
+WEDGES = (
+    (NOTCH, (0.002, 0.15), SidePush(3, 0.231, 0.912, 0.1), 0.8, "slide_right"),
+    (NOTCH, (0.002, 0.3), SidePush(2, 0.754, -1.048, 0.1), 1.7, "wedge_right"),
+    (SLOT, (0.00475, 0.05), SidePush(2, 0.99, -0.4, 0.08), 0.5, "slide_left"),
+    (NOTCH, (0.00475, 0.45), SidePush(2, 0.93, -0.4636, 0.08), 0.2, "wedge_right"),
+)
+
+
+@pytest.mark.parametrize("case", WEDGES)
+def test_the_derivative_by_the_rods_radius_goes_on_through_a_concave_corner(case):
+    """The place of the corner, and of the contacts' ends, moves with the radius."""
+    outline, rod, push, theta, last = case
+    loop = replace(loop_of(SQUARE, rod=rod, push=push), slider=Slider(outline, hitch=(0.0, -0.03)))
+    loop = replace(loop, footprint=None)
+    modes = [mode for mode, _ in story(loop.cycle(theta).push)]
+    assert any(mode.startswith("wedge") for mode in modes) and modes[-1] == last
+    found = loop.sensitivity(theta, ("pusher_radius",)).jacobian[:, 0]
+    wanted = differenced(loop, theta, "pusher_radius")
+    assert np.abs(found - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max())
+
+
 @pytest.mark.slow
 def test_random_cycles_have_the_derivatives_of_their_differences():
     for seed in (1, 4, 12, 16):

@@ -123,6 +123,23 @@ def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
     assert library.open_engine(engine).cm_version().decode() == digest_of(engine)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system looks by itself whether a library is whole")
+def test_library_cut_short_is_refused_wherever_it_ends(tmp_path) -> None:
+    """Its digest may still be in it: without a look at its end, the first call would kill Python."""
+    whole = library_path(ROOT / ENGINE).read_bytes()
+    sources = digest_of(ROOT / ENGINE)
+    assert sources is not None
+    holds_digest = whole.index(sources.encode()) + len(sources)
+    cut = library_path(tmp_path)
+    for length in (len(whole) - 1, (len(whole) + holds_digest) // 2, holds_digest, 64, 40, 8):
+        cut.write_bytes(whole[:length])
+        assert not is_built(tmp_path)
+        refused(library.open_engine, tmp_path, told=r"is cut short: in a checkout, ", kind=EngineNotBuilt)
+    cut.write_bytes(whole)
+    assert is_built(tmp_path)
+    assert library.open_engine(tmp_path).cm_version().decode() == sources
+
+
 @needs_shell
 def test_build_without_a_compiler_says_what_was_tried_and_what_to_do(checkout, tmp_path) -> None:
     """Every compiler with what it said, in plain text, and the way out: no traceback, no library."""

@@ -77,6 +77,23 @@ def test_the_error_of_a_push_and_a_drag_stays_near_the_accuracy_asked_and_falls_
     assert (means[:-1] / means[1:] > 10.0).all()
 
 
+def test_the_travel_of_a_push_that_the_rod_leaves_is_as_accurate_as_its_pose():
+    """Where a rod leaves its approach falls to zero at a steady rate: the travel is off by as much as that is."""
+    shares = []
+    for seed in range(60):
+        finest = random_case(seed, 1e-11)
+        last = finest.model.push(finest.pose, finest.push)
+        if last.ended != "left":
+            continue
+        for accuracy in (1e-8, 1e-10):
+            push = random_case(seed, accuracy).model.push(finest.pose, finest.push)
+            assert push.ended == "left"
+            shares.append(abs(push.travel - last.travel) / last.course.unit / accuracy)
+    assert len(shares) >= 20
+    assert np.median(shares) < 0.1
+    assert np.max(shares) < 10.0
+
+
 def test_steps_grow_as_the_seventh_root_of_the_accuracy_at_most():
     """Steps of order seven: a million times less error for seven times the steps."""
     counts = []

@@ -113,3 +113,49 @@ def test_along_whole_pushes_the_independent_solver_finds_the_engines_modes_and_f
             forces = course.scale * np.array((told.compression, told.tangential))
             assert np.allclose(forces, [force for force, _ in mode.forces], rtol=0.0, atol=1e-8)
     assert seen == set(modes)
+
+
+def notched(opening, aside):
+    """A plate whose notch opens by an angle (rad), its bottom aside (m) from the plate's middle."""
+    half = 0.03 * np.tan(opening / 2.0)
+    bottom = ((aside + half, 0.03), (aside, 0.0), (aside - half, 0.03))
+    return Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), *bottom, (-0.05, 0.03)))
+
+
+# Pushes into notches that lock themselves at a rod's friction of .6, and swing the plate around until the rod pulls:
+# opening (deg), place aside (m), side, orientation (rad), angle (rad).
+SWINGING = (
+    (47.906, 0.0091, 4, -1.953, 0.892),
+    (56.183, -0.0093, 3, -0.2405, -0.3316),
+    (57.226, -0.0067, 4, -0.9118, 1.1339),
+    (56.542, 0.0037, 3, 0.0354, -1.0286),
+)
+
+
+@pytest.mark.parametrize("case", SWINGING)
+def test_a_point_is_the_limit_of_thin_rods_in_a_notch_that_locks_itself(case):
+    """It slides out where they do; the turn is off by a few of the rod's radii (extents)."""
+    opening, aside, side, theta, angle = case
+    slider = Slider(notched(np.radians(opening), aside), hitch=(0.0, -0.03))
+    push = SidePush(side, 0.999 if side == 3 else 0.001, angle, 0.3)
+    runs = [
+        QuasiStaticModel(slider, EllipseFriction(*PLYWOOD), Pusher(radius, 0.6)).push(Pose(theta=theta), push)
+        for radius in (0.0, 1e-7, 1e-6)
+    ]
+    assert all(any(mode.startswith("wedge") for mode, _ in story(run)) for run in runs)
+    assert story(runs[0])[-1][0].startswith("slide")
+    off = np.array([abs(run.turn - runs[0].turn) for run in runs[1:]])
+    # Radii of 1.5e-6 and 1.5e-5 extents.
+    assert (off < [3e-5, 3e-4]).all()
+
+
+def test_a_push_says_where_another_motion_would_have_been_possible():
+    """In a notch that locks itself the wedge holds beside the motion that is taken; in an open one nothing does."""
+    for opening, expected in ((50.0, True), (70.0, False)):
+        for radius in (0.0, 0.002):
+            slider = Slider(notched(np.radians(opening), 0.0), hitch=(0.0, -0.03))
+            model = QuasiStaticModel(slider, EllipseFriction(*PLYWOOD), Pusher(radius, 0.6))
+            push = model.push(Pose(theta=1.0), SidePush(4, 0.35, 1.0, 0.08))
+            assert "wedge_right" in push.trajectory.mode or "wedge_left" in push.trajectory.mode
+            assert push.is_ambiguous == expected
+    assert not model.push(Pose(), SidePush(0, 0.5, 0.0, 0.02)).is_ambiguous

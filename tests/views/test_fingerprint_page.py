@@ -35,7 +35,7 @@ def test_the_page_holds_the_numbers_and_the_sentences(prediction, panels) -> Non
     words = [text.get_text().replace("\n", " ") for text in page.texts]
     assert words[0] == "Fingerprint of the protocol" + ", on wood" * (prediction is not None)
     assert sentences.protocol_sentence(FOUND) in words[1]
-    assert all(number in words[-1] for number in sentences.five_numbers(FOUND.cycle))
+    assert all(number in words[-1] for number in sentences.seven_numbers(FOUND.cycle))
     if prediction is LOCKED:
         assert "The full map locks into" in words[1]
         assert "The prediction is 0.6° off, within its error." in words[1]

@@ -71,5 +71,5 @@ def test_measured_and_fitted_sentences_carry_the_numbers(measured) -> None:
     assert said.startswith(f"In the 2001 measured cycles it makes {measured.steps.count} steps of ")
     assert said.endswith(f"a full turn took {measured.cycles_a_turn:.0f} cycles.")
     told = sentences.fitted_sentence(measured)
-    assert f"predicts {measured.comparison.expected_steps:.1f} steps of 360°" in told
-    assert f"where {measured.comparison.net_steps:.1f} were climbed" in told
+    assert f"predicts {measured.foretold.comparison.expected_steps:.1f} steps of 360°" in told
+    assert f"where {measured.foretold.comparison.net_steps:.1f} were climbed" in told

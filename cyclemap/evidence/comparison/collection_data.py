@@ -18,6 +18,8 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
@@ -67,7 +69,8 @@ class CollectionData:
 
     pushes : the sets with end poses. pairs : the cycles of the set that has most, with the numbers of their pushes and
     the longest path without a gap; None without any. left_out : pushes, by reason. loop : that makes these cycles: the
-    one given, brought to what the data tell of push and object. unreadable : files.
+    one given, brought to what the data tell of push and object. unreadable : files. reading : how angles and axes were
+    read, and how well motions bear that out, in words.
     """
 
     pushes: tuple[PushSet, ...]
@@ -75,6 +78,7 @@ class CollectionData:
     left_out: Mapping[str, int]
     loop: Any = None
     unreadable: int = 0
+    reading: tuple[str, ...] = ()
 
 
 def collection_data(
@@ -99,9 +103,13 @@ def collection_data(
     if isinstance(given, Theta0Pairs):
         if select:
             raise InvalidInput(f"the data are orientations alone and tell no {next(iter(select))}: select nothing")
-        return _of_pairs(given, loop, start)
+        convention = written_convention(data)[0] if isinstance(data, str | Path) else OURS
+        reading = check_orientations(given.theta, given.theta_next, loop, convention)
+        return replace(_of_pairs(given, loop, start), reading=reading)
     if isinstance(given, PushTable):
-        return _of_table(replace(given, table=selected_pushes(given.table, select or {})), loop, start, length)
+        chosen = replace(given, table=selected_pushes(given.table, select or {}))
+        reading = () if loop is None else check_pushes(chosen, loop)
+        return replace(_of_table(chosen, loop, start, length), reading=reading)
     raise InvalidInput(f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path")
 
 

@@ -38,6 +38,8 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 )
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of, session_block
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE
+from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     DRAG_COLUMNS,
     LARGEST_TIP_ERROR,
@@ -56,7 +58,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told_push,
 )
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, named_column
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, load_pushes, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
@@ -159,7 +161,7 @@ class BlockBuilder:
         self.path = path
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
-            table = read_csv_table(path)
+            table = convention_of(path).table(read_csv_table(path))
             _, facts, left_out = selected_rows(table, selection)
         else:
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
@@ -167,6 +169,9 @@ class BlockBuilder:
             self._add_unreadable(pushes)
         surfaces, objects = (told(one.get(name) for one in facts) for name in ("surface", "object"))
         self._leave_out(left_out)
+        if sort in (RECORDS, CYCLES, PUSH_ENDS):
+            for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
+                self._note(words)
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for number, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
@@ -312,7 +317,7 @@ class BlockBuilder:
         pushes: list[MeasuredPush] = []
         records: list[PushRecord] = []
         for number, row in enumerate(chosen):
-            record = read_push_file(row["path"])
+            record = convention_of(row["path"]).record(read_push_file(row["path"]))
             assert isinstance(record, PushRecord)
             tip = record.tip_pose[:, 1:3]
             length = float(np.hypot(*(tip[-1] - tip[0])))

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import cmath
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import LinearFit
 from cyclemap.evidence.laws.periodic_law import (
     MAX_HARMONICS,
@@ -38,8 +39,13 @@ from cyclemap.maps import (
 )
 
 MAX_WEAR_DEGREE, HARMONICS = 4, 6
+# A law of so many harmonics may do anything in a wider gap (rad); it wants so many pairs more than coefficients.
+_WIDEST_GAP, _FEWEST_FREE = math.radians(60.0), 6
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
+_LEAST_PAIRS = 8  # fewer do not tell a jump of their turns from a slope
+_NEAR_WHOLE = 0.5  # radians: a change of the turn this near a whole one is one
+_JUMP_SPREADS = 6.0  # or within so many of the usual changes from one angle to the next
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,12 +207,15 @@ def fit_map(
 ) -> FittedMap:
     """Fit the cycle map to measured pairs: the turn θ_next - θ as a Fourier series of θ.
 
-    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn.
+    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn. Where all
+        images lie within one turn, and turns of neighbouring angles differ by whole ones, they were wrapped: whole
+        turns are then added so that neighbours agree, and the middle turn lies in [-π, π).
     cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice of ``harmonics``
         and polynomial degree (``wear_degree`` None chooses up to 4), see ``fit_worn_law``.
     The rest is as in ``fit_periodic_law``.
 
-    Raises InvalidInput for lists of different lengths, values that are not finite, and too few pairs.
+    Raises InvalidInput for lists of different lengths, values that are not finite, too few pairs, and turns that jump
+    by a whole one where images are not all within one turn.
 
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
@@ -214,6 +223,7 @@ def fit_map(
     (0.8, 60)
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
+    images = angles + _without_jumps(angles, images)
     options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics, "seed": seed}
     options["noise_harmonics"] = noise_harmonics
     law = fit_periodic_law(angles, images - angles, **options)
@@ -221,6 +231,32 @@ def fit_map(
         return FittedMap(law)
     wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, **options)
     return FittedMap(law, wear)
+
+
+def _without_jumps(theta: Array, images: Array) -> Array:
+    """The turns of all pairs, those of wrapped images less the whole turns that they jump by."""
+    turn = images - theta
+    if turn.size < _LEAST_PAIRS:
+        return turn
+    order = np.argsort(np.mod(theta, TWO_PI), kind="stable")
+    # From each angle to the next one round the circle: whole turns, and what is left of the change.
+    change = np.diff(turn[order], append=turn[order[0]])
+    whole = np.round(change / TWO_PI)
+    left, jumps = np.abs(change - TWO_PI * whole), whole != 0.0
+    allowed = max(_NEAR_WHOLE, _JUMP_SPREADS * float(np.median(left)))
+    if np.count_nonzero(jumps) < 2 or np.sum(whole) != 0.0 or float(np.median(left[jumps])) > allowed:
+        return turn
+    if np.ptp(images) > TWO_PI:
+        place = float(np.mod(theta[order[int(np.argmax(jumps))]], TWO_PI))
+        raise InvalidInput(
+            f"the turns jump by whole ones, {np.count_nonzero(jumps)} times, first near theta = {place:.4g} rad: give "
+            "theta_next unwrapped, so that theta_next - theta is the turn"
+        )
+    lap = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
+    mended = np.empty_like(turn)
+    mended[order] = turn[order] - TWO_PI * lap
+    middle = float(np.median(mended))
+    return np.asarray(mended - TWO_PI * np.floor((middle + np.pi) / TWO_PI))
 
 
 def map_of_turn(law: PeriodicLaw) -> CircleMap:
@@ -238,20 +274,32 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredStaircase:
-    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
+class FittedStaircase:
+    """The staircase of a map fitted to measured pairs.
 
-    steps : the dwells and steps found in the path, without a model. fitted : the map and noise fitted to its pairs.
-    prediction : the staircase of that map, on average. run : one noisy run of it, as long and from the same start.
-    comparison : the path against the prediction, its visits counted in the predicted slow zones.
+    fitted : the map and noise fitted to the pairs. prediction : its staircase, on average. run : one noisy run of it,
+    as long as the path and from the same start. comparison : the path against the prediction, its visits counted in the
+    predicted slow zones.
     """
 
-    path: Array
-    steps: Steps
     fitted: FittedMap
     prediction: StaircaseSummary
     run: Staircase
     comparison: StepComparison
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredStaircase:
+    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
+
+    steps : the dwells and steps found in the path, without a model. foretold : what the map fitted to its pairs makes
+    of it; None where the pairs do not fix a map all around, and `problem` says why.
+    """
+
+    path: Array
+    steps: Steps
+    foretold: FittedStaircase | None
+    problem: str = ""
 
     @property
     def cycles_a_turn(self) -> float:
@@ -263,16 +311,29 @@ class MeasuredStaircase:
 def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     """Find the steps of the measured path, fit its map, and predict the staircase from that: wear counts as noise.
 
-    Raises InvalidInput where the order of the pushes is unknown, or the pairs do not fix the map.
+    Raises InvalidInput where the order of the pushes is unknown, or the turns have no noise.
     """
     path = pairs.unbroken.path
     if path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
-    fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
+    steps = find_steps(path)
+    places = np.sort(np.mod(pairs.theta, TWO_PI))
+    gap = float(np.diff(places, append=places[0] + TWO_PI).max())
+    harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
+    if gap > _WIDEST_GAP:
+        told = f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
+        return MeasuredStaircase(path, steps, None, told)
+    if harmonics < 1:
+        return MeasuredStaircase(path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to")
+    fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=harmonics)
     if fitted.sigma < _LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
-    prediction, steps = predict_staircase(fitted_map, noise), find_steps(path)
+    try:
+        prediction = predict_staircase(fitted_map, noise)
+    except ConvergenceError as error:
+        return MeasuredStaircase(path, steps, None, f"of the map fitted to them no staircase can be computed: {error}")
     visits = find_steps(path, zones=prediction.zones) if prediction.zones else steps
     run = sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed)
-    return MeasuredStaircase(path, steps, fitted, prediction, run, compare_steps(visits, prediction))
+    foretold = FittedStaircase(fitted, prediction, run, compare_steps(visits, prediction))
+    return MeasuredStaircase(path, steps, foretold)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cyclemap.arrays import shorter_way
-from cyclemap.errors import InvalidInput, unknown_name
+from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.text_files import CsvRow, CsvTable, require_columns
@@ -95,7 +96,7 @@ def select_pushes(
             keep[number] = not (reason or table)
         frames.append(frame[keep].reset_index(drop=True))
     bad = [file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX]
-    return PushTable(frames[0], frames[1], tuple(bad)), +left_out
+    return replace(found, table=frames[0], scans=frames[1], unreadable=tuple(bad)), +left_out
 
 
 def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
@@ -104,7 +105,7 @@ def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
     for frame in (pushes.table, pushes.scans):
         keep = [not selection.refusal(row) for row in frame.to_dict("records")]
         frames.append(frame[np.array(keep, dtype=bool)].reset_index(drop=True))
-    return PushTable(frames[0], frames[1], ())
+    return replace(pushes, table=frames[0], scans=frames[1], unreadable=())
 
 
 def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
@@ -172,9 +173,9 @@ def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measu
     fraction), where present, label the contact. Raises DataFileError naming file, line and mend.
     """
     require_columns(table, PUSH_END_COLUMNS)
-    rows = [row for row in rows if tip_error(table, row) <= LARGEST_TIP_ERROR]
+    rows = [row for row in _whole(table, rows, PUSH_END_COLUMNS) if tip_error(table, row) <= LARGEST_TIP_ERROR]
     labels = list(range(len(rows)))
-    if {"i", "s"} <= set(table.header):
+    if {"i", "s"} <= set(table.header) and all(table.text(row, name) for row in rows for name in "is"):
         places = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
         known = sorted(set(places))
         labels = [known.index(place) for place in places]
@@ -199,7 +200,7 @@ def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measur
     """Read drags from rows of a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad)."""
     require_columns(table, DRAG_COLUMNS)
     drags = []
-    for label, row in enumerate(rows):
+    for label, row in enumerate(_whole(table, rows, DRAG_COLUMNS)):
         x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in DRAG_COLUMNS)
         end = Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1)))
         drags.append(MeasuredDrag(Pose(x1, y1, theta1), end, label))
@@ -208,7 +209,19 @@ def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measur
 
 def tip_error(table: CsvTable, row: CsvRow) -> float:
     """Return how far the robot was from where it was sent (m), 0 where no column tells."""
-    return 1e-3 * table.number(row, "tip_err_mm") if "tip_err_mm" in table.header else 0.0
+    told = "tip_err_mm" in table.header and table.text(row, "tip_err_mm")
+    return 1e-3 * table.number(row, "tip_err_mm") if told else 0.0
+
+
+def _whole(table: CsvTable, rows: Sequence[CsvRow], columns: Sequence[str]) -> list[CsvRow]:
+    """The rows with a number in every one of the columns; those with an empty field are warned of, and none is left."""
+    kept = [row for row in rows if all(table.text(row, name) for name in columns)]
+    if len(kept) < len(rows):
+        if not kept:
+            raise table.error(rows[0].line, f"no row has all of {', '.join(columns)}: fill them in")
+        told = f"{table.path}: {len(rows) - len(kept)} of {len(rows)} rows left out for want of a place or an angle"
+        warnings.warn(told, DoubtfulInput, stacklevel=3)
+    return kept
 
 
 def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:

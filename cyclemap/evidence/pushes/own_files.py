@@ -17,12 +17,17 @@ from zipfile import ZipFile
 import numpy as np
 
 from cyclemap.arrays import Array
+from cyclemap.checks import require_room
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_text
 
 Columns = dict[str, Array]
 
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
+JSON_LINES = (".jsonl", ".ndjson")
+# Of columns of texts those that tell what was pushed on what are kept.
+_TEXTS = re.compile(r"surface|object|shape", re.IGNORECASE)
 QUATERNION = ("qx", "qy", "qz", "qw")
 # Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
 _LARGEST_DECODED = 2**26
@@ -41,7 +46,8 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
         return _parquet([path])
     if path.suffix.lower() not in EXCEL:
         text = read_text(path, "CSV")
-        return _csv(path, text[: text.rfind("\n") + 1] if growing else text)
+        text = text[: text.rfind("\n") + 1] if growing else text
+        return _json_lines(path, text) if path.suffix.lower() in (*JSON_LINES, ".json") else _csv(path, text)
     _library("openpyxl", "excel")
     # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
     with _refused_as(path, "a spreadsheet"):
@@ -63,8 +69,38 @@ def _refused_as(path: Path, kind: str) -> Iterator[None]:
 
 def _check_size(path: Path, decoded: int) -> None:
     """Refuse what is small on disk and large when it is unpacked."""
-    if decoded > _LARGEST_DECODED:
-        raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
+    require_room(f"{path}: holds {decoded / 1e6:.0f} MB of numbers", decoded // 8, "split it", _LARGEST_DECODED // 8)
+
+
+def _json_lines(path: Path, text: str) -> Columns:
+    """Rows of JSON, one a line: what stands deeper is named by its way there, parts of lists by their number."""
+    pandas: Any = import_module("pandas")
+    rows = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            row = json_value(line)
+        except ValueError as error:
+            raise DataFileError(f"{path}, line {number}: not JSON ({error})") from error
+        if not isinstance(row, dict):
+            raise DataFileError(f"{path}, line {number}: a row is an object, {{...}}, not {line[:40]}")
+        rows.append(dict(_flat("", row)))
+    if len(rows) < 2:
+        raise DataFileError(f"{path}: {len(rows)} lines; rows are wanted")
+    _check_size(path, 8 * len(rows) * len({name for row in rows for name in row}))
+    return _numbers(path, pandas.DataFrame(rows))
+
+
+def _flat(name: str, value: object) -> Iterator[tuple[str, object]]:
+    if isinstance(value, dict):
+        for key, one in value.items():
+            yield from _flat(f"{name}_{key}" if name else str(key), one)
+    elif isinstance(value, list):
+        for number, one in enumerate(value):
+            yield from _flat(f"{name}[{number}]", one)
+    else:
+        yield name, value
 
 
 def _csv(path: Path, text: str) -> Columns:
@@ -96,6 +132,9 @@ def _numbers(path: Path, frame: Any) -> Columns:
     found: Columns = {}
     for name in frame.columns:
         column = frame[name]
+        if _TEXTS.fullmatch(str(name).strip()) and column.dtype.kind not in "iufb":
+            found[str(name).strip()] = column.to_numpy(dtype=object)
+            continue
         if column.dtype.kind not in "iufb":
             text = column.astype("string").str.strip().str.replace(",", ".", regex=False)
             column = pandas.to_numeric(text, errors="coerce")
@@ -103,7 +142,7 @@ def _numbers(path: Path, frame: Any) -> Columns:
                 moment = pandas.to_datetime(text, errors="coerce", format="ISO8601", utc=True)
                 column = (moment - pandas.Timestamp(0, tz="UTC")).dt.total_seconds()
         found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
-    if not any(np.isfinite(values).any() for values in found.values()):
+    if not any(np.isfinite(values).any() for values in found.values() if values.dtype.kind == "f"):
         raise DataFileError(f"{path}: no column of numbers among {', '.join(map(str, frame.columns))[:200]}")
     return found
 
@@ -192,4 +231,4 @@ def _library(name: str, extra: str) -> None:
     try:
         import_module(name)
     except ImportError as error:
-        raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[{extra}]'") from error
+        raise InvalidInput(f"this kind of file needs {name}: {install_words(extra)}") from error

@@ -18,21 +18,29 @@ import numpy as np
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.own_files import BAGS, EXCEL, PARQUET, QUATERNION, Columns, raw_columns
-from cyclemap.evidence.pushes.push_files import SUFFIXES
+from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
+from cyclemap.evidence.pushes.own_files import BAGS, EXCEL, JSON_LINES, PARQUET, QUATERNION, Columns, raw_columns
+from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
+from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
+from cyclemap.plain_text import json_value
 
-TEXTS = (".csv", ".tsv", ".txt", ".dat")
-_ANGLES, _PLACES = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y")
+TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
+_ANGLES = ("theta0", "theta1", "theta_next", "theta")
+_PAIRS = (("x0", "y0"), ("x1", "y1"), ("x", "y"), ("tip_x0", "tip_y0"), ("tip_x1", "tip_y1"))
+_PLACES = tuple(name for pair in _PAIRS for name in pair)
 _LENGTHS = (*_PLACES, "length")
-_OTHERS = ("t", "episode", "repetition", "side", "fraction")
+_TEXTS = ("surface", "object")
+_OTHERS = ("t", "episode", "repetition", "side", "fraction", "angle", *_TEXTS)
 _KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *QUATERNION)
-_ANGLE_UNITS, _LENGTH_UNITS = {"deg": math.pi / 180.0, "rad": 1.0}, {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+_ANGLE_UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "turn": 2.0 * math.pi}
+_LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 _TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
 _UNITS_OF = dict.fromkeys(_ANGLES, _ANGLE_UNITS) | dict.fromkeys(_LENGTHS, _LENGTH_UNITS) | {"t": _TIME_UNITS}
 
 _ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
 _BEFORE, _AFTER = r"(?:0|before|start|initial|init|pre|vorher|first)", r"(?:1|after|end|final|post|nachher|last)"
+_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)"
 _MEANING = {
     "theta0": (rf"{_ANGLE}_?{_BEFORE}", rf"{_BEFORE}_{_ANGLE}"),
     "theta1": (rf"{_ANGLE}_?{_AFTER}", rf"{_AFTER}_{_ANGLE}"),
@@ -47,8 +55,17 @@ _MEANING = {
     "y": (r"(?:pos(?:ition)?_)?y",),
     "t": (r"t|time|timestamp|stamp|secs?|seconds|zeit",),
     "episode": (r"episode(?:_index|_id)?|trial|push_id",),
-    "repetition": (r"rep|repetition|push|cycle|nr|no|number",),
-    "length": (r"push_?length|push_?distance",),
+    "repetition": (r"rep|repetition|push(?:_(?:nr|no|number|index))?|cycle|nr|no|number|id|index",),
+    "length": (r"push_?length|push_?distance|push(?=_mm)|push",),
+    "side": (r"side",),
+    "fraction": (r"fraction",),
+    "surface": (r"surface",),
+    "object": (r"object|shape",),
+    **{
+        f"tip_{axis}{end}": (rf"{_ROD}_{axis}_?{words}", rf"{_ROD}_{words}_{axis}")
+        for axis in "xy"
+        for end, words in (("0", _BEFORE), ("1", _AFTER))
+    },
     **{
         name: (rf"(?:orientation_|quat(?:ernion)?_)?{name}", rf"(?:orientation|quat(?:ernion)?)_{name[1]}")
         for name in QUATERNION
@@ -58,30 +75,40 @@ _UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
     "radians": "rad",
     "metres": "m",
     "meters": "m",
+    **dict.fromkeys(("in", "inches"), "inch"),
+    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
 }
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _POSES = {"x0", "y0", "x1", "y1"}
 _OURS = ({"theta0_deg"}, {"theta0_accum_deg"}, _POSES, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
-# A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
-_REST_SECONDS, _SLOW, _SLOW_TURN, _SMOOTHED_SECONDS = 0.4, 0.003, 0.03, 0.2
+# Seconds from row to row: up to this many rows follow a moving object.
+_STREAM_STEP = 0.4
 _LONGEST_HEADER = 100_000
 # Angles beyond this are no radians, not even where they go on past a turn; places beyond this no metres of a table.
 _NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
+# So many angles that fill so much of one and no more are turns as likely as radians.
+_TELLING, _MOST_OF_A_TURN = 8, 0.7
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so on.
 _AN_EPOCH = 1e8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
 _FEWEST_AT_RANDOM = 20
+# No reset turns an object alike to this (rad).
+_EVENLY = 1e-6
 # Seconds from row to row: beyond this a row is a push of its own.
 _A_CYCLE = 3.0
 
 
 @dataclass(frozen=True)
 class OwnTable:
-    """Columns of pushes in SI units by the names of `read_push_csv`; words: what was read as what, and left out."""
+    """Columns of pushes in SI units by the names of `read_push_csv`, in our convention.
+
+    words : what was read as what, and left out. segments : of a stream of poses, how it was cut.
+    """
 
     columns: Mapping[str, Array]
     words: tuple[str, ...]
     guessed: bool
+    segments: Segments | None = None
 
     def csv_text(self) -> str:
         """The table as a CSV file that every reader of pushes takes."""
@@ -101,6 +128,10 @@ def is_own(path: str | Path) -> bool:
     kind = place.suffix.lower()
     if kind in (*EXCEL, *PARQUET, *BAGS):
         return True
+    if kind == ".json" and place.is_file():
+        return _is_json_lines(place)
+    if kind in JSON_LINES:
+        return True
     if kind not in TEXTS or kind in SUFFIXES or not place.is_file():
         return False
     with place.open(encoding="utf-8-sig", errors="replace") as file:
@@ -110,30 +141,65 @@ def is_own(path: str | Path) -> bool:
     return header.endswith("\n") and not any(names >= wanted for wanted in _OURS)
 
 
-def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> OwnTable:
+def _is_json_lines(place: Path) -> bool:
+    """Whether a JSON file has a row a line, and not the tables of a push."""
+    with place.open(encoding="utf-8-sig", errors="replace") as file:
+        line = file.readline(_LONGEST_HEADER)
+    try:
+        row = json_value(line)
+    except ValueError:
+        return False
+    return isinstance(row, dict) and not set(row) & set(TABLES)
+
+
+def read_own_table(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    units: Sequence[str] = (),
+    *,
+    angles: str | None = None,
+    frame: str | None = None,
+    offset_deg: float | None = None,
+) -> OwnTable:
     """Read a table of one's own, or a stream of poses, as pushes.
 
     columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream t, x, y, theta (or
     the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A part of a list is named[i]. units : of
-    angles (deg, rad), lengths (mm, cm, m) and times (s, ms, us, ns). What is not told is guessed.
+    angles (deg, rad, turn), lengths (mm, cm, m, inch) and times (s, ms, us, ns). What is not told is guessed.
+    angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`; what is not told is
+    what a collection.toml with the data says, else counter-clockwise and right-handed, 0.
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
-    found, words, guessed = _understood(Path(path), dict(columns or {}), units)
+    convention = convention_of(path, angles, frame, offset_deg)
+    found, words, guessed, segments = _understood(Path(path), dict(columns or {}), units, convention)
     pushes, more_words = _cleaned(Path(path), found)
-    return OwnTable(pushes, (*words, *more_words), guessed)
+    return OwnTable(pushes, (*words, *more_words, _assumed(pushes, convention)), guessed, segments)
+
+
+def _assumed(pushes: Columns, convention: Convention) -> str:
+    """What is said of the convention: orientations alone cannot tell whether it is the right one."""
+    if set(pushes) >= _POSES:
+        return f"read with {convention.words()}"
+    angles = convention.words().partition("angles ")[2]
+    return f"angles taken as {angles}: orientations alone cannot tell, --angles clockwise or compass says otherwise"
 
 
 def read_orientations(
-    path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = (), growing: bool = False
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    units: Sequence[str] = (),
+    growing: bool = False,
+    convention: Convention = OURS,
 ) -> OwnTable:
     """Read θ0 alone of a table of one's own, as `read_own_table` does: every one known, in the order of the rows.
 
     growing : a CSV file that is written to, whose last line waits for its end. Then DataFileError also where rows to
     come could change what earlier ones mean: a stream of poses, or a unit that would be guessed.
     """
-    found, words, guessed = _understood(Path(path), dict(columns or {}), units, growing)
+    found, words, guessed, _ = _understood(Path(path), dict(columns or {}), units, convention, growing)
     known = np.isfinite(found["theta0"])
-    return OwnTable({"theta0": found["theta0"][known]}, (*words, *_without_orientation(known)), guessed)
+    said = (*words, *_without_orientation(known), _assumed({}, convention))
+    return OwnTable({"theta0": found["theta0"][known]}, said, guessed)
 
 
 def _without_orientation(known: Mask) -> list[str]:
@@ -142,9 +208,12 @@ def _without_orientation(known: Mask) -> list[str]:
 
 
 def _understood(
-    place: Path, told: dict[str, str], units: Sequence[str], growing: bool = False
-) -> tuple[Columns, list[str], bool]:
-    """The columns in SI units by our names, what was read as what, and whether any of that is a guess."""
+    place: Path, told: dict[str, str], units: Sequence[str], convention: Convention, growing: bool = False
+) -> tuple[Columns, list[str], bool, Segments | None]:
+    """The columns in SI units and our convention by our names, what was read as what, whether any of that is a guess,
+    and how a stream was cut.
+    """
+    units = [_UNIT_WORDS.get(unit, unit) for unit in units]
     if growing and place.suffix.lower() not in TEXTS:
         raise DataFileError(f"{place}: read once it is whole, without --follow: only a CSV file is read while it grows")
     for name in told:
@@ -160,31 +229,66 @@ def _understood(
     words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
     found: Columns = {}
     for name, column in meaning.items():
+        if name in _TEXTS:
+            found[name] = raw[column]
+            continue
         factor, said = _factor(name, meaning, raw, units)
         if growing and name in _ANGLES and "guessed" in said:
             raise DataFileError(f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad")
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
+    if unread := [column for column in raw if column not in meaning.values()]:
+        words.append(f"not read: {', '.join(unread)[:400]}")
     if "qw" in found:
         x, y, z, w = (found.pop(name) for name in QUATERNION)
         size = x * x + y * y + z * z + w * w
         found["theta"] = np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
+    for name in set(_ANGLES) & set(found):
+        found[name] = convention.theta(found[name])
+    for pair in _PAIRS:
+        if set(pair) <= set(found):
+            found |= dict(zip(pair, convention.place(*(found[name] for name in pair)), strict=True))
+    segments, sure = None, len(meaning) > len(told) or not units
     if "theta" in found and "theta0" not in found:
         if _is_stream(place, found, any(" as t in s, guessed" in line for line in words)):
-            found, more = _pushes(place, found)
-            words.append(more)
-        else:
-            found["theta0"] = found.pop("theta")
-            if "t" in found or "episode" in found:
-                words.append("a row a push: its orientation the one before the push")
-    return found, words, len(meaning) > len(told) or not units
+            found, more, segments = _pushes(place, found)
+            return found, [*words, *more], sure, segments
+        found["theta0"] = found.pop("theta")
+        if "t" in found or "episode" in found:
+            words.append("a row a push: its orientation the one before the push")
+    if not growing:
+        found, more = _ordered(found)
+        words += more
+    return found, words, sure, segments
+
+
+def _ordered(found: Columns) -> tuple[Columns, list[str]]:
+    """Rows a push in the order of their numbers, else of their times, and what was done."""
+    for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
+        numbers = found.get(name)
+        if numbers is None:
+            continue
+        if not np.isfinite(numbers).all() or np.unique(numbers).size < numbers.size:
+            # Of a push that is there twice, or has no number, nobody knows the place.
+            if name == "repetition":
+                found.pop(name)
+                return found, [f"{what} of pushes are missing or there twice: rows are taken in their own order"]
+            continue
+        if (np.diff(numbers) < 0.0).any():
+            order = np.argsort(numbers, kind="stable")
+            return {one: column[order] for one, column in found.items()}, [f"rows put in the order of their {what}"]
+        return found, []
+    return found, []
 
 
 def _bare(column: str) -> tuple[str, str]:
     """A column's name without its unit, and the unit; both in small letters."""
     name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
     # One bracket, not a run of them: the search takes no longer than the name is.
-    found = re.search(r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters|s|ms|us|ns)[\])]*$", name)
+    found = re.search(
+        r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters|in|inch|inches|turns?|revs?|revolutions|s|ms|us|ns)[\])]*$",
+        name,
+    )
     told = name[: found.start()].rstrip("_[(") if found else ""
     if found and told:
         return told.strip("_"), _UNIT_WORDS.get(found.group(1), found.group(1))
@@ -216,7 +320,9 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
     if quaternion and quaternion != set(QUATERNION):
         raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
     if not {"theta0", "theta", "qw"} & set(meaning):
-        mend = "say which, --columns theta0=NAME"
+        # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
+        one = "theta" if {"t", "episode"} & set(meaning) else "theta0"
+        mend = f"say which, --columns {one}=NAME"
         raise DataFileError(f"{path}: no column of the object's orientation before each push: {mend}; it has {have}")
     return meaning
 
@@ -248,6 +354,10 @@ def _factor(name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence
     if name == "t":
         unit = "s"
     elif name in _ANGLES:
+        turns = values[0][np.isfinite(values[0])]
+        if most <= 1.0 and turns.size >= _TELLING and float(np.ptp(turns)) > _MOST_OF_A_TURN:
+            told = f"{meaning[name]} runs from {turns.min():.3g} to {turns.max():.3g}"
+            raise DataFileError(f"{told}: are these turns, or radians? Say --units turn or --units rad")
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
     else:
         unit = "m" if most <= _NO_METRES else "mm"
@@ -263,56 +373,45 @@ def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
         return bool((np.diff(found["episode"]) == 0.0).any())
     if "t" not in found:
         return False
-    step = float(np.median(np.diff(found["t"])))
+    step = float(np.median(np.diff(np.sort(found["t"][np.isfinite(found["t"])])))) if found["t"].size > 1 else 0.0
     if not step > 0.0:
         raise DataFileError(f"{path}: its times do not rise from row to row; mend them, or say --columns theta0=NAME")
-    if _REST_SECONDS < step < _A_CYCLE or (guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()):
+    if _STREAM_STEP < step < _A_CYCLE or (guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()):
         raise DataFileError(
             f"{path}: {step:g} s from row to row: do several rows follow one push, or is each a push of its own? Say "
             "the unit of its times, --units s or ms; where each row is a push, leave the times out"
         )
-    return step <= _REST_SECONDS
+    return step <= _STREAM_STEP
 
 
-def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:
-    """The pushes of a stream of poses: one an episode, else every other motion between rests, the first a push."""
+def _pushes(path: Path, stream: Columns) -> tuple[Columns, list[str], Segments | None]:
+    """The pushes of a stream of poses: one an episode, else what its rests and its ring's place tell."""
     good = np.isfinite(stream["theta"])
+    for name in ("t", "x", "y"):
+        good &= np.isfinite(stream.get(name, stream["theta"]))
+    lost = [f"left out for want of a pose: {int((~good).sum())} of {good.size} rows"] if not good.all() else []
     stream = {name: values[good] for name, values in stream.items()}
-    if "episode" in stream:
-        cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
-        parts = np.split(np.arange(stream["theta"].size), cuts)
-        spans = [(int(part[0]), int(part[-1])) for part in parts if part.size > 1]
-        words = f"{len(spans)} pushes, one an episode"
-    else:
-        motions = _motions(stream)
-        spans = motions[::2]
-        words = f"{len(motions)} motions between rests: the first and every other one a push, the rest drags back"
+    if "episode" not in stream:
+        order = np.argsort(stream["t"], kind="stable")
+        if (np.diff(stream["t"]) < 0.0).any():
+            lost.append("rows put in the order of their times")
+        moving = {name: values[order] for name, values in stream.items()}
+        found, seen = cut_stream(path, moving)
+        return found, [*lost, seen.words], seen
+    known = np.isfinite(stream["episode"])
+    stream = {name: values[known] for name, values in stream.items()}
+    cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
+    parts = np.split(np.arange(stream["theta"].size), cuts)
+    spans = [(int(one[0]), int(one[-1])) for one in parts if one.size > 1]
     if not spans:
-        raise DataFileError(f"{path}: no push in it: its object never moves, or never rests")
+        raise DataFileError(f"{path}: no push in it: no episode has two rows")
     theta = np.concatenate([np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in spans]).reshape(-1, 2)
-    found: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
+    pushes: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
     ends = np.array(spans)
     for axis in ("x", "y"):
         place = stream.get(axis, np.zeros(stream["theta"].size))
-        found |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
-    return found, words
-
-
-def _motions(stream: Columns) -> list[tuple[int, int]]:
-    """First and last sample of each motion that rests divide."""
-    from scipy.ndimage import uniform_filter1d
-
-    t, zero = stream["t"], np.zeros(stream["t"].size)
-    width = max(1, round(_SMOOTHED_SECONDS / max(float(np.median(np.diff(t))), 1e-6)))
-    courses = stream.get("x", zero), stream.get("y", zero), np.unwrap(stream["theta"])
-    x, y, turn = (np.gradient(uniform_filter1d(one, 2 * width + 1, mode="nearest"), t) for one in courses)
-    moves = (np.hypot(x, y) > _SLOW) | (np.abs(turn) > _SLOW_TURN)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(np.int8), [0]])))
-    begin, end = edges[::2], edges[1::2] - 1
-    rests = t[begin[1:]] - t[end[:-1]] >= _REST_SECONDS
-    begin, end = begin[np.append(True, rests)[: begin.size]], end[np.append(rests, True)[: end.size]]
-    # Where smoothing begins to see a motion the object may be on its way: go out to the rests' own samples.
-    return list(zip(np.maximum(begin - width, 0).tolist(), np.minimum(end + width, t.size - 1).tolist(), strict=True))
+        pushes |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
+    return pushes, [*lost, f"{len(spans)} pushes, one an episode"], None
 
 
 def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
@@ -333,15 +432,19 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         # Where a reset makes them they gather somewhere, or turns have a mean.
         gather = max((abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size), default=1.0)
         at_random = posed and now.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(now.size)
-        if at_random:
-            words.append("orientations before pushes go with nothing: taken as set at random, no cycle among them")
+        even = posed and now.size > 2 and float(np.ptp(later - now)) < _EVENLY
+        if at_random or even:
+            how = "are evenly spaced: taken as set one by one" if even else "go with nothing: taken as set at random"
+            words.append(f"orientations before pushes {how}, no cycle among them")
+            at_random = True
             del found["theta_next"]
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
-    poses = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
+    ends = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition")
+    poses = (*_TEXTS, *ends, "side", "fraction", "angle", "length", *_PLACES[-4:])
     if at_random:
         found.pop("repetition", None)
     elif posed:

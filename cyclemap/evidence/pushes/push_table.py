@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
+from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import LARGEST_ANGLE, LARGEST_POSITION, SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
@@ -36,7 +38,8 @@ COLUMN_NAMES: dict[str, dict[str, float | None]] = {
     "angle": {"angle": 1.0, "t": 1.0},
     "repetition": {"repetition": 1.0, "rep": 1.0},
     "length": {"length": 1.0, "push_mm": 1e-3},
-    **{name: {name: 1.0} for name in ("tip_x0", "tip_y0", "x0", "y0", "x1", "y1", "dtheta", "force_ratio")},
+    **{name: {name: 1.0} for name in ("tip_x0", "tip_y0", "tip_x1", "tip_y1", "x0", "y0", "x1", "y1")},
+    **{name: {name: 1.0} for name in ("dtheta", "force_ratio")},
     "theta0": {"theta0": 1.0, "th0": 1.0, "theta0_deg": math.pi / 180.0},
     "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
     "theta_next": {"theta_next": 1.0, "th0n": 1.0},
@@ -45,8 +48,10 @@ ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 _RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
+# What stands in a field without a number; the share of rows that may have no pose; m, beyond which no push goes.
+_NOTHING, _MOST_LOST, _LONGEST_PUSH = ("", "nan", "na", "null", "none"), 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = ("tip_x0", "tip_y0", *ENDS, "dx", "dy", "dtheta")
+_POSES = ("tip_x0", "tip_y0", "tip_x1", "tip_y1", *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (*SET_FACTS, "repetition", "length", *_POSES, "theta_next", "force_ratio", "samples", "path")
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
@@ -69,7 +74,7 @@ def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     return factor * table.number(row, name) if name is not None and text else math.nan
 
 
-def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
+def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[dict[str, Any]]:
     """Read a CSV file of pushes: a list of rows with the columns of `PushTable.table`, in the order of the file.
 
     A table of poses has a header with `x0,y0,theta0,x1,y1,theta1` (m, rad; also `th0`, `th1`, `theta0_deg`,
@@ -82,20 +87,38 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
     Any other table is read by `read_theta0_pairs`: a row a pair, with theta0 and theta_next alone (and its `rep`,
     where the file has it).
 
-    DataFileError names the file, the line and the mend.
+    convention : of the file's angles and axes. DataFileError names the file, the line and the mend.
     """
-    table = read_csv_table(path)
+    table = convention.table(read_csv_table(path))
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
     unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
     if all(named_column(table, column) for column in ENDS):
         doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
-        return [unknown | _pose_row(table, row) for row in table.rows]
-    pairs = read_theta0_pairs(table.path)
+        return [unknown | _pose_row(table, row) for row in _posed_rows(table)]
+    pairs = read_theta0_pairs(table.path, convention=convention)
     number = pairs.cycle if "theta0_accum_deg" in table.header else None
     numbers = np.full(pairs.theta.size, math.nan) if number is None else number
     columns = zip(numbers.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
     return [unknown | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
+
+
+def _posed_rows(table: CsvTable) -> list[CsvRow]:
+    """The rows that have both poses; those without are warned of."""
+    names = [named_column(table, column) or "" for column in ENDS]
+    lost = [row for row in table.rows if any(table.text(row, name).lower() in _NOTHING for name in names)]
+    if not lost:
+        return list(table.rows)
+    if len(lost) >= _MOST_LOST * len(table.rows):
+        name, text = next(
+            (name, table.text(lost[0], name)) for name in names if table.text(lost[0], name).lower() in _NOTHING
+        )
+        told = f"{name} is '{text}'; it must be a number, and {len(lost)} of {len(table.rows)} rows lack one"
+        raise table.error(lost[0].line, told)
+    told = f"{table.path}: {len(lost)} of {len(table.rows)} rows left out for want of a pose, the first in line"
+    warnings.warn(f"{told} {lost[0].line}", DoubtfulInput, stacklevel=4)
+    gone = {row.line for row in lost}
+    return [row for row in table.rows if row.line not in gone]
 
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
@@ -103,8 +126,13 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     for column in ENDS:
         limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
         if not abs(found[column]) <= limit:
-            value = f"{column} is {found[column]:g}"
-            raise table.error(row.line, f"{value}; it must be a number within {limit:g} (SI units)")
+            value, unit = f"{column} is {found[column]:g}", "deg" if column.startswith("theta") else "mm"
+            bound = f"it must be a number within {limit:g} (SI units)"
+            raise table.error(row.line, f"{value}; {bound}: is it in other units? Say them, --units {unit}")
+    far = math.hypot(found["x1"] - found["x0"], found["y1"] - found["y0"])
+    if far > _LONGEST_PUSH:
+        told = f"the push moves the object by {far:.4g} m: are its places in millimetres?"
+        raise table.error(row.line, f"{told} Say so, --units mm,rad")
     if all(name in table.header and table.text(row, name) for name in _RODS):
         x0, y0, x1, y1 = (table.number(row, name) for name in _RODS)
         found["length"] = math.hypot(x1 - x0, y1 - y0)
@@ -129,8 +157,8 @@ class PushTable:
     """Pushes and friction scans, a row each, and the files that could not be read.
 
     table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`, `angle`
-        (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at `tip_x0`, `tip_y0`
-        (m, world). `x0`, `y0` (m), `theta0` (rad), `x1`, `y1`, `theta1`: first and last pose in the world.
+        (rad), `repetition`: from the file's name. `length` (m): of the rod's path, from `tip_x0`, `tip_y0` to
+        `tip_x1`, `tip_y1` (m, world). `x0`, `y0` (m), `theta0` (rad), `x1`, `y1`, `theta1`: first and last pose there.
         `dx`, `dy` (m): displacement in the object's initial frame. `dtheta` (rad): theta1 - theta0, counted along the
         series, so never wrapped. `theta_next` (rad): start of the next repetition of the same set (same folder or CSV
         table, same facts), on the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle where the
@@ -139,7 +167,8 @@ class PushTable:
     scans : a row a friction scan. `direction` (rad) of the motion in the world, by the name; `force_along` and
         `force_across` (N): see `scan_forces`; `ratio`: force_across / force_along, zero where friction is isotropic;
         `samples`: wrenches; the rest as above.
-    unreadable : the files left out, in order of their paths.
+    unreadable : the files left out, in order of their paths. convention : in which they were written; all of the above
+        is in ours. convention_told : whether somebody said it.
 
     What is unknown is NaN: facts of a file whose name is not of the layout, the repetition of a single push,
     theta_next of the last of a set, the force ratio of an object that is no MIT shape or without contact.
@@ -148,11 +177,22 @@ class PushTable:
     table: pandas.DataFrame
     scans: pandas.DataFrame
     unreadable: tuple[UnreadableFile, ...]
+    convention: Convention = OURS
+    convention_told: bool = False
 
 
-def load_pushes(path: str | Path, *, progress: Callable[[float], None] | None = None) -> PushTable:
+def load_pushes(
+    path: str | Path,
+    *,
+    angles: str | None = None,
+    frame: str | None = None,
+    offset_deg: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> PushTable:
     """Read pushes and friction scans in the MIT layout (.h5, .hdf5, .json) or as CSV: a file, a folder or a tree.
 
+    angles, frame, offset_deg : how the data count angles and lay their axes, as in `Convention`; what is not told is
+    what a collection.toml with the data says in its table [data], else counter-clockwise and right-handed, 0.
     progress : called with the fraction done, in (0, 1]. Other files are passed over; links to folders are not
     followed. Rows are sorted by the facts in the order of their columns, then by path, then as in their file. For
     CSV tables of poses or of θ0 see `read_push_csv`; a push that stands in two files makes two rows.
@@ -173,12 +213,13 @@ def load_pushes(path: str | Path, *, progress: Callable[[float], None] | None = 
     ([['hex', 0.02, 0.1]], 'cut.json')
     """
     files, unreadable = _files(Path(path))
+    convention = convention_of(path, angles, frame, offset_deg)
     report = progress or (lambda fraction: None)
     pushes: list[dict[str, Any]] = []
     scans: list[dict[str, Any]] = []
     for done, file in enumerate(files, 1):
         try:
-            found = _rows(file)
+            found = _rows(file, convention)
         except DataFileError as error:
             unreadable.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
         else:
@@ -196,7 +237,13 @@ def load_pushes(path: str | Path, *, progress: Callable[[float], None] | None = 
     end = table["theta1"].to_numpy()
     table["theta_next"] = table["theta_next"].fillna(table["theta1"] + shorter_way(np.array(ahead) - end))
     unreadable.sort(key=lambda entry: entry.path)
-    return PushTable(table, _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path")), tuple(unreadable))
+    scan_table = _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path"))
+    if convention.is_ours:
+        # Of a table that was brought to ours before its name tells in which it was.
+        convention, all_told = written_convention(path)
+    else:
+        all_told = angles is not None and frame is not None
+    return PushTable(table, scan_table, tuple(unreadable), convention, all_told)
 
 
 def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
@@ -213,23 +260,25 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
     return files, [UnreadableFile(Path(e.filename), f"the folder cannot be entered ({e.strerror})") for e in errors]
 
 
-def _rows(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def _rows(path: Path, convention: Convention) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """The rows of pushes and of scans that a file holds."""
     if path.suffix.lower() == CSV_SUFFIX:
         if not path.is_file():
             raise DataFileError(f"{path}: there is no such file; check the path")
-        return read_push_csv(path), []
-    record = read_push_file(path)
+        return read_push_csv(path, convention), []
+    record = convention.record(read_push_file(path))
     if not isinstance(record, PushRecord):
         along, across = scan_forces(record)
         forces = {"force_along": along, "force_across": across, "ratio": across / along if along else math.nan}
         rest = {"samples": len(record.ft_wrench), "path": str(path)}
-        return [], [asdict(scan_facts(path) or ScanFacts()) | forces | rest]
+        scan = scan_facts(path) or ScanFacts()
+        scan = scan if convention.is_ours else replace(scan, direction=convention.direction(scan.direction))
+        return [], [asdict(scan) | forces | rest]
     facts = push_facts(path) or PushFacts()
     outline = _mit_outline(facts.object)
     ratio = math.nan if outline is None else contact_force_ratio(record, outline)
-    tip = record.tip_pose[0, 1:3].tolist()
-    poses = dict(zip(_POSES, (*tip, *record.start, *record.end, *record.displacement, record.turn), strict=True))
+    tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
+    poses = dict(zip(_POSES, (*tips, *record.start, *record.end, *record.displacement, record.turn), strict=True))
     rest = {"length": record.length, "force_ratio": ratio, "samples": len(record.object_pose), "path": str(path)}
     return [asdict(facts) | poses | rest], []
 

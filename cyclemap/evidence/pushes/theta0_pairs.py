@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, whole_number
+from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.evidence.pushes.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
@@ -28,13 +29,16 @@ _TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 _CONSISTENT_DEG = 0.005
 # Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond so many are told.
 _ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
+# Turns by hand: from how near others are like them, how many of these it takes, how far off a hand's is (rad), and how
+# many there may be.
+_NEARBY, _FEWEST_NEARBY, _FAR_OFF, _LEAST_BY_HAND, _MOST_BY_HAND = math.radians(10.0), 4, 8.0, math.radians(12.0), 0.04
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
 _NEARLY_THE_NAME = 0.85
 # Measured orientations further apart than this leave a gap: laws of cycles may do anything within 20 degrees.
 GAP = float(np.radians(20.0))
 # What lies this near an end of an arc is taken with it.
 _EDGE = float(np.radians(1.0))
-DEFAULT_BINS = 72
+DEFAULT_BINS, _MOST_BINS = 72, 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +49,7 @@ class Theta0Pairs:
     path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is unknown.
     dropped : how many pairs were left out, by reason.
     cycle : (n,) the number of each pair's push; path_cycle : (m,) that of each entry of `path`. None where unknown.
+    moved : numbers of pushes behind which somebody moved the object: they make no pair, and the path breaks there.
     """
 
     theta: Array
@@ -53,6 +58,7 @@ class Theta0Pairs:
     dropped: Mapping[str, int] = field(default_factory=dict)
     cycle: Array | None = None
     path_cycle: Array | None = None
+    moved: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.theta.ndim != 1 or self.theta.shape != self.theta_next.shape or not self.theta.size:
@@ -85,7 +91,8 @@ class Theta0Pairs:
         if not known.any():
             return self
         gap = _shorter_way(np.rad2deg(self.path[ahead[known]] - self.theta_next[known]))
-        broken = ahead[known][_is_large(gap)]
+        by_hand = np.searchsorted(self.path_cycle, np.array(self.moved) + 1.0)
+        broken = np.union1d(ahead[known][_is_large(gap)], by_hand).astype(np.int64)
         ends = np.concatenate([[0], broken, [self.path.size]])
         longest = int(np.argmax(np.diff(ends)))
         stretch = slice(int(ends[longest]), int(ends[longest + 1]))
@@ -97,7 +104,13 @@ def _is_large(gap_deg: Array) -> NDArray[np.bool_]:
     return np.abs(gap_deg) > max(_CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
 
 
-def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
+def read_theta0_pairs(
+    path: str | Path,
+    *,
+    angles: str | None = None,
+    offset_deg: float | None = None,
+    convention: Convention | None = None,
+) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
     - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
@@ -108,9 +121,11 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A column beside it whose
       name is nearly theta_next_deg, or speaks of the next one, is refused.
 
+    angles, offset_deg : how the file counts angles, as in `Convention`, or all of that as one; what is not told is what
+    a collection.toml with the data says, else counter-clockwise. Orientations alone cannot tell.
     DataFileError names the file, the line and the mend.
     """
-    table = read_csv_table(path)
+    table = (convention or convention_of(path, angles, None, offset_deg)).table(read_csv_table(path))
     doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
     if "theta0_accum_deg" in table.header:
         return _from_staircase(table)
@@ -129,7 +144,48 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     course = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
     number = np.arange(float(course.size))
-    return Theta0Pairs(course[:-1], course[1:], course, cycle=number[:-1], path_cycle=number)
+    by_hand = moved_by_hand(course[:-1], np.diff(course))
+    moved = tuple(np.flatnonzero(by_hand).astype(float).tolist())
+    if moved:
+        where = ", ".join(f"{one:.0f}" for one in moved[:6])
+        line = (
+            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as moved by hand, left out"
+        )
+        warnings.warn(line, DoubtfulInput, stacklevel=2)
+    dropped = {"moved by hand": len(moved)} if moved else {}
+    kept = ~by_hand
+    return Theta0Pairs(course[:-1][kept], course[1:][kept], course, dropped, number[:-1][kept], number, moved)
+
+
+def moved_by_hand(theta: Array, turn: Array) -> NDArray[np.bool_]:
+    """Which turns (n,), rad, of cycles from orientations (n,), rad, are a hand's: few, and unlike those from nearby.
+
+    Each is held against the median of four or more others from within 10 degrees; of a cycle that has no such
+    neighbours nothing is said. Far is eight times what is usual, and 12 degrees at least. Where many are far, or cycles
+    are few, none is a hand's.
+    """
+    none, off = np.zeros(turn.size, dtype=bool), np.full(turn.size, np.nan)
+    if turn.size < _ENOUGH:
+        return none
+    order = np.argsort(np.mod(theta, TWO_PI), kind="stable")
+    places = np.mod(theta, TWO_PI)[order]
+    around = np.concatenate([places - TWO_PI, places, places + TWO_PI])
+    turns = np.tile(turn[order], 3)
+    low, high = (np.searchsorted(around, places + side * _NEARBY) for side in (-1.0, 1.0))
+    for number, row in enumerate(order.tolist()):
+        # A thousand neighbours tell as much as all.
+        every = max(1, (high[number] - low[number]) // 1000)
+        others = turns[low[number] : high[number] : every]
+        if high[number] - low[number] > _FEWEST_NEARBY:
+            # The shorter way: of a hand's turn nobody knows the whole turns.
+            off[row] = math.remainder(turn[row] - float(np.median(others)), TWO_PI)
+    known = np.isfinite(off)
+    if not known.any():
+        return none
+    scale = 1.4826 * float(np.median(np.abs(off[known])))
+    far = np.zeros(turn.size, dtype=bool)
+    far[known] = np.abs(off[known]) > max(_FAR_OFF * scale, _LEAST_BY_HAND)
+    return far if far.sum() <= _MOST_BY_HAND * turn.size else none
 
 
 def _column(table: CsvTable, name: str) -> Array:
@@ -274,8 +330,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
 def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
     """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput for fewer than one."""
     count = whole_number("bins", bins, least=1)
-    if count > 1_000_000:
-        raise InvalidInput(f"bins is {bins}: more than a million bins hold no counts; use fewer")
+    require_room("bins", count, "so many hold no counts: use fewer", _MOST_BINS)
     # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
     return np.minimum((np.mod(theta, TWO_PI) * (count / TWO_PI)).astype(np.int64), count - 1)
 

@@ -16,8 +16,8 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.families.family import ParametricLift, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.envelopes import is_nondecreasing
-from cyclemap.maps.orbits.rotation_number import rotation_number
+from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecreasing
+from cyclemap.maps.orbits.rotation_number import rotation_number, window
 
 _CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enough for the caches
 # After so many cycles: the longest period tried for locking, and how far beside the orbit, radians over the period.
@@ -101,7 +101,9 @@ def _shaped(shape: tuple[int, ...], *arrays: Any) -> list[Any]:
     return shaped
 
 
-def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, workers: int) -> tuple[Array, Array]:
+def _bounds(
+    family: ParametricLift | _Envelopes, parameters: list[Array], tolerance: float, workers: int
+) -> tuple[Array, Array]:
     """The best p/n below and above each rotation number, once they are near enough or after 1/tolerance cycles."""
     size = parameters[0].size
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
@@ -139,7 +141,7 @@ class _Orbits:
     cycles : iterates done.
     """
 
-    family: ParametricLift
+    family: ParametricLift | _Envelopes
     parameters: list[Array]
     push: Array
     theta: Array
@@ -185,7 +187,7 @@ class _Orbits:
         self.lower[open_still], self.upper[open_still] = trial.lower, trial.upper
 
 
-def _begun(family: ParametricLift, parameters: list[Array], first: int) -> _Orbits:
+def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: int) -> _Orbits:
     """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing lifts."""
     size = parameters[0].size
     ends = np.asarray(family.lift(np.array([[0.0], [TWO_PI]]), *parameters), dtype=np.float64)
@@ -243,17 +245,96 @@ class RotationPlane:
     tolerance: float
 
 
+Plateaus = tuple[Array, Array, Array, float]  # starts, ends, levels, and what they may be off
+
+
+@dataclass(frozen=True, eq=False)
+class _Envelopes:
+    """Upper or lower envelopes of many folded members of a family: ``lift`` as of a ``ParametricLift``.
+
+    Its last parameter is the number of the member, whose plateaus are a row of ``start``, ``end``, ``level`` (m, most).
+    """
+
+    family: ParametricLift
+    start: Array
+    end: Array
+    level: Array
+    max_error: float
+
+    def lift(self, theta: Array, *parameters: Array) -> Array:
+        """The envelopes at ``theta``, which broadcasts with the parameters."""
+        row = parameters[-1].astype(np.int64)
+        first = self.start[row, 0]
+        turns = np.floor((theta - first) / TWO_PI)
+        base, image = theta - TWO_PI * turns, self.family.lift(theta.copy(), *parameters[:-1])
+        for start, end, level in zip(self.start.T, self.end.T, self.level.T, strict=True):
+            flat = (base >= start[row]) & (base < end[row])
+            image = np.where(flat, level[row] + TWO_PI * turns, image)
+        return np.asarray(image)
+
+    def rises(self, *parameters: Array) -> Mask:
+        """Everywhere, as envelopes do."""
+        return np.ones(parameters[0].shape, dtype=bool)
+
+
+def _envelopes(family: ParametricLift, found: list[Plateaus], max_error: float) -> _Envelopes:
+    """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty ones."""
+    tables = np.zeros((3, len(found), max(1, *(columns[0].size for columns in found))))
+    for row, (start, end, level, _) in enumerate(found):
+        if start.size == 0:
+            continue
+        turns = np.floor(start / TWO_PI)
+        order = np.argsort(start - TWO_PI * turns)
+        columns = np.stack([start, end, level]) - TWO_PI * turns
+        tables[:, row] = columns[:, order[:1]]
+        tables[1, row, start.size :] = tables[0, row, start.size :]
+        tables[:, row, : start.size] = columns[:, order]
+    inexact = max(columns[3] for columns in found) + max_error
+    return _Envelopes(family, *tables, inexact + SLACK)
+
+
+def _folded_numbers(
+    family: ParametricLift,
+    members: list[CircleMap],
+    plateaus: list[list[Plateaus]],
+    parameters: list[Array],
+    tolerance: float,
+) -> tuple[Array, Array, Array, Whole, Whole]:
+    """Value, lower, upper, period and winding of folded members, all together: the ends are those of the envelopes."""
+    numbered, workers = [*parameters, np.arange(float(len(members)))], os.cpu_count() or 1
+    inexact = max(member.max_error for member in members)
+    low, high = (_envelopes(family, list(columns), inexact) for columns in zip(*plateaus, strict=True))
+    lower, upper = _bounds(low, numbered, tolerance, workers)[0], _bounds(high, numbered, tolerance, workers)[1]
+    count = max(16, int(np.ceil(1.0 / tolerance)))
+    theta, mean = np.zeros(len(members)), np.zeros(len(members))
+    for weight in window(count).tolist():
+        image = family.lift(theta.copy(), *parameters)
+        mean += weight * (image - theta)
+        theta = image - TWO_PI * np.floor(image / TWO_PI)
+    mean /= TWO_PI
+    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / tolerance)) + 2)
+    winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
+    value = np.where((lower <= mean) & (mean <= upper), mean, 0.5 * (lower + upper))
+    value = np.where(period > 0, lower, value)
+    return value, np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf), period, winding
+
+
 def rotation_plane(
-    family: Callable[..., CircleMap], first_values: Any, second_values: Any, tolerance: float = 1e-3
+    family: Callable[..., CircleMap],
+    first_values: Any,
+    second_values: Any,
+    tolerance: float = 1e-3,
+    progress: Callable[[float], None] | None = None,
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 
     family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``, ``CircleMap.arnold``
-        and ``CircleMap.moebius`` are done many maps at once (``rotation_numbers``) where the lifts do not fold, all
-        else map by map (``rotation_number``), hundreds of times slower.
+        and ``CircleMap.moebius`` are done many maps at once: a folded one takes some milliseconds, in which its folds
+        are found, others far less (``rotation_numbers``). All else goes map by map (``rotation_number``).
     first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold; one
         that is wider shows it by its ``lower`` and ``upper``.
+    progress : is called with the fraction done.
 
     Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes that are empty, not
     finite or not monotone, and for a map that is no CircleMap of degree 1.
@@ -278,16 +359,28 @@ def rotation_plane(
         many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
         value[~singly], lower[~singly], upper[~singly] = many.value, many.lower, many.upper
         period[~singly], winding[~singly] = many.period, many.winding
-    for place in np.flatnonzero(singly).tolist():
+    report, left = progress or (lambda fraction: None), np.flatnonzero(singly)
+    together: list[CircleMap] = []
+    plateaus: list[list[Plateaus]] = []  # of lower and upper envelope
+    for done, place in enumerate(left.tolist()):
+        report((rows.size - left.size + done) / rows.size)
         pair = float(rows[place]), float(columns[place])
         member = family(*pair)
         if not isinstance(member, CircleMap) or member.degree != 1:
             raise InvalidInput(f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1")
+        folded[place] = not is_nondecreasing(member)
+        if formula is not None and folded[place]:
+            together.append(member)
+            plateaus.append([envelope_plateaus(member, mirror) for mirror in (-1.0, 1.0)])
+            continue
         one = rotation_number(member, iterates=max(16, int(np.ceil(1.0 / wanted))), tolerance=wanted)
         value[place], lower[place], upper[place] = one.value, one.lower, one.upper
         if one.locked is not None:
             period[place], winding[place] = one.locked.denominator, one.locked.numerator
-        folded[place] = not is_nondecreasing(member)
+    if formula is not None and together:
+        several = _folded_numbers(formula, together, plateaus, [rows[folded], columns[folded]], wanted)
+        value[folded], lower[folded], upper[folded], period[folded], winding[folded] = several
+    report(1.0)
     shape, axes = (first.size, second.size), (read_only(first), read_only(second))
     value, lower, upper, period, winding, folded = _shaped(shape, value, lower, upper, period, winding, folded)
     return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)

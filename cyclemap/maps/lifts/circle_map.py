@@ -29,6 +29,7 @@ from cyclemap.maps.lifts.lift_checks import (
 )
 from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches
 
+SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
 Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
 
 _NO_BREAKS = read_only(())
@@ -72,6 +73,7 @@ class CircleMap:
     _lift: Lift
     _derivative: Lift | None
     _scalar: Scalar | None
+    _slopes: SlopesAndErrors | None
     _recipe: Recipe
 
     def __init__(
@@ -89,6 +91,7 @@ class CircleMap:
             _lift=guarded("lift", lift, True),
             _derivative=None if derivative is None else guarded("derivative", derivative, False),
             _scalar=None,
+            _slopes=None,
             _recipe=(CircleMap, (lift, derivative, breaks, degree), {"max_error": max_error}),
         )
         check_lift(lift, derivative, self.breaks, self.degree)
@@ -100,6 +103,11 @@ class CircleMap:
     def remade_by(self, maker: Callable[..., CircleMap], *arguments: Any, **options: Any) -> CircleMap:
         """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle."""
         self._set(_recipe=(maker, arguments, options))
+        return self
+
+    def with_slope_errors(self, slopes: SlopesAndErrors) -> CircleMap:
+        """The map itself, whose derivative is known no better than the errors that this function tells beside it."""
+        self._set(_slopes=slopes)
         return self
 
     def __reduce__(self) -> tuple[Callable[..., CircleMap], tuple[Recipe]]:
@@ -148,8 +156,13 @@ class CircleMap:
         return differences(self._lift, self.breaks, angles)[0]
 
     def derivative_and_error(self, theta: Any) -> tuple[Array, Array]:
-        """F'(θ) and a bound on its error: rounding; where no derivative was given, the measured one of differences."""
+        """F'(θ) and a bound on its error: rounding; where no derivative was given, the measured one of differences.
+
+        Maps made of maps, or of branches, carry the errors of what they are made of.
+        """
         angles = np.asarray(theta, dtype=np.float64)
+        if self._slopes is not None:
+            return self._slopes(angles)
         if self._derivative is None:
             return differences(self._lift, self.breaks, angles)
         slope = self._derivative(angles)
@@ -279,6 +292,7 @@ class CircleMap:
         lift, breaks = lift_from_branches(given, whole)
         options = {"breaks": breaks, "degree": whole, "max_error": max_error}
         made = cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)
+        made.with_slope_errors(lift.derivative_and_error)
         return made.remade_by(cls.from_branches, given, degree=whole, max_error=max_error)
 
     @classmethod

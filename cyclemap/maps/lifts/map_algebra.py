@@ -13,11 +13,20 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import SAME_ANGLE
+from cyclemap.maps.estimate import EPS, LIFT, SAME_ANGLE
 from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, SNAP, Scalar, base_angles, distance_to_break
 from cyclemap.maps.lifts.scan import INSET
+
+
+def slope_and_error_beside(
+    circle_map: CircleMap, theta: Array, moved: Array, low: Array, high: Array
+) -> tuple[Array, Array]:
+    """F' at ``theta``, which may be off by ``moved``, and a bound on its error; F' is read in [low, high] only."""
+    slope, error = circle_map.derivative_and_error(np.clip(theta, low, high))
+    sides = (circle_map.derivative(np.clip(theta + side * moved, low, high)) for side in (-1.0, 1.0))
+    return slope, error + np.max([np.abs(side - slope) for side in sides], axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +44,28 @@ class InverseLift:
 
     def derivative(self, values: Array) -> Array:
         """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump of F."""
+        theta, low, high = self._inside(values)
+        with np.errstate(divide="ignore"):
+            return np.where(high > low, 1.0 / self.table.map.derivative(np.clip(theta, low, high)), 0.0)
+
+    def derivative_and_error(self, values: Array) -> tuple[Array, Array]:
+        """The same and a bound on its error: that of F', at an angle that is known to rounding over F'."""
+        theta, low, high = self._inside(values)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = self.table.map.derivative(np.clip(theta, low, high))
+            moved = LIFT * (TWO_PI + np.abs(values)) * (1.0 + 1.0 / np.abs(slope))
+            slope, error = slope_and_error_beside(self.table.map, theta, moved, low, high)
+            lowest = np.abs(slope) - error
+            bound = np.where(lowest > 0.0, error / (np.abs(slope) * lowest), np.inf) + LIFT / np.abs(slope)
+            return np.where(high > low, 1.0 / slope, 0.0), np.where(high > low, bound, 0.0)
+
+    def _inside(self, values: Array) -> tuple[Array, Array, Array]:
+        """The angles, and the ends between which F' belongs to the value: inside their cell's breaks."""
         base = np.asarray(values - TWO_PI * np.floor(values / TWO_PI))
         theta, cell = self.table.inverse(base), self.table.cell(base)
         low, high = self.table.theta[cell], self.table.theta[cell + 1]
         margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
-        slope = self.table.map.derivative(np.clip(theta, low + margin, high - margin))
-        with np.errstate(divide="ignore"):
-            return np.where(high > low, 1.0 / slope, 0.0)
+        return theta, low + margin, high - margin
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,22 +91,32 @@ class CompositeLift:
         """Its slope by the chain rule."""
         return self._walk(theta, slope=True)[1]
 
-    def _walk(self, theta: Array, slope: bool = False) -> tuple[Array, Array]:
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """The same and a bound on its error: those of the slopes, at angles that rounding has moved."""
+        return self._walk(theta, slope=True, errors=True)[1:]
+
+    def _walk(self, theta: Array, slope: bool = False, errors: bool = False) -> tuple[Array, Array, Array]:
         turns = np.floor(theta / TWO_PI)
         angle = np.asarray(theta - TWO_PI * turns)
-        product = np.ones_like(angle)
+        product, error, moved = np.ones_like(angle), np.zeros_like(angle), 0.5 * np.spacing(np.abs(theta))
         piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
         for place, (one, guard) in enumerate(zip(self.maps, self.guards, strict=True)):
+            low, high = np.full_like(angle, -np.inf), np.full_like(angle, np.inf)
             if guard is not None:
                 whole, low, high = (column[piece] for column in guard)
                 angle, turns = np.clip(angle - TWO_PI * whole, low, high), turns + whole
             elif place > 0:
                 whole = np.floor(angle / TWO_PI)
                 angle, turns = angle - TWO_PI * whole, turns + whole
-            if slope:
+            if errors:
+                steepness, off = slope_and_error_beside(one, angle, moved, low, high)
+                error = np.abs(product) * off + error * (np.abs(steepness) + off) + EPS * np.abs(product * steepness)
+                moved = moved * (np.abs(steepness) + off) + LIFT * (TWO_PI + np.abs(one(angle)))
+                product = product * steepness
+            elif slope:
                 product = product * one.derivative(angle)
             angle, turns = one(angle), turns * float(one.degree)
-        return np.asarray(angle + TWO_PI * turns), product
+        return np.asarray(angle + TWO_PI * turns), product, error
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
@@ -178,14 +212,15 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
         cubic = circle_map.pieces.shifted(0.0, up)
         return CircleMap.from_pieces(cubic, circle_map.breaks, circle_map.samples, circle_map.max_error)
     one = circle_map.scalar()
-    return CircleMap.with_scalar(
+    made = CircleMap.with_scalar(
         lambda theta: circle_map(theta) + up,
         circle_map.derivative,
         lambda theta: one(theta) + up,
         breaks=circle_map.breaks,
         degree=circle_map.degree,
         max_error=circle_map.max_error,
-    ).remade_by(shifted, circle_map, turns)
+    )
+    return made.with_slope_errors(circle_map.derivative_and_error).remade_by(shifted, circle_map, turns)
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
@@ -219,7 +254,7 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     values = np.concatenate([_GRID, lift.breaks])
     moved = float(np.max(np.abs(lift(values + error) - lift(values - error)))) if error else 0.0
     made = CircleMap(lift, lift.derivative, lift.breaks, degree, max_error=moved)
-    return made.remade_by(inverse, circle_map)
+    return made.with_slope_errors(lift.derivative_and_error).remade_by(inverse, circle_map)
 
 
 def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
@@ -264,9 +299,9 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
             angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
     lift = CompositeLift(tuple(maps), tuple(guards), breaks)
     degree = math.prod(circle_map.degree for circle_map in maps)
-    return CircleMap.with_scalar(
-        lift, lift.derivative, lift.scalar(), breaks=breaks, degree=degree, max_error=max_error
-    )
+    options = {"breaks": breaks, "degree": degree, "max_error": max_error}
+    made = CircleMap.with_scalar(lift, lift.derivative, lift.scalar(), **options)
+    return made.with_slope_errors(lift.derivative_and_error)
 
 
 def _pulled_back(inner: CircleMap, levels: Array, parts: tuple[Branch, ...]) -> Array:

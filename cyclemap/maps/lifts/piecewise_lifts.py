@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import floor
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.lift_checks import SNAP, Lift, Scalar, base_angles, checked_call, differences_between
 
 
@@ -199,13 +200,23 @@ _SAME_DIFFERENCE = 1e-6  # the same where a slope comes from differences
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One branch: ``lift`` and ``derivative`` on [start, end], radians; ``exact`` when the derivative was given."""
+    """One branch: ``lift`` and ``given``, its derivative or None, on [start, end], radians."""
 
     start: float
     end: float
     lift: Lift
-    derivative: Lift
-    exact: bool
+    given: Lift | None
+
+    def derivative(self, theta: Array) -> Array:
+        """F' at angles of the branch."""
+        return self.derivative_and_error(theta)[0] if self.given is None else self.given(theta)
+
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """F' and a bound on its error: rounding, or that of differences inside the branch."""
+        if self.given is None:
+            return differences_between(self.lift, theta, theta - self.start, self.end - theta)
+        slope = self.given(theta)
+        return slope, LIFT * (1.0 + np.abs(slope))
 
     @property
     def ends(self) -> Array:
@@ -227,23 +238,37 @@ class BranchedLift:
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta`` (radians, any shape)."""
-        return self._evaluate(theta, slope=False)
+        turns, owner, values = np.floor(theta / TWO_PI), self._owner(theta), np.empty(np.shape(theta))
+        for piece, own, here in self._parts(theta, owner):
+            values[here] = piece.lift(own)
+        return values + (TWO_PI * self.degree) * (turns - self.shift[owner])
 
     def derivative(self, theta: Array) -> Array:
         """Its slope; at a seam the one from the right."""
-        return self._evaluate(theta, slope=True)
-
-    def _evaluate(self, theta: Array, slope: bool) -> Array:
-        turns = np.floor(theta / TWO_PI)
-        base = np.asarray(theta - TWO_PI * turns)
-        owner = np.searchsorted(self.starts, base, side="right") - 1
         values = np.empty(np.shape(theta))
+        for piece, own, here in self._parts(theta, self._owner(theta)):
+            values[here] = piece.derivative(own)
+        return values
+
+    def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
+        """Its slope and a bound on the slope's error."""
+        values, errors = np.empty(np.shape(theta)), np.empty(np.shape(theta))
+        for piece, own, here in self._parts(theta, self._owner(theta)):
+            values[here], errors[here] = piece.derivative_and_error(own)
+        return values, errors
+
+    def _owner(self, theta: Array) -> Any:
+        base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
+        return np.searchsorted(self.starts, base, side="right") - 1
+
+    def _parts(self, theta: Array, owner: Any) -> Iterator[tuple[Piece, Array, Mask]]:
+        """Each piece that owns some of the angles, those as its own, and where they are."""
+        base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
         for i, piece in enumerate(self.pieces):
-            here = owner == i
+            here = np.asarray(owner == i)
             if here.any():
                 own = np.minimum(np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end)
-                values[here] = piece.derivative(own) if slope else piece.lift(own)
-        return values if slope else values + (TWO_PI * self.degree) * (turns - self.shift[owner])
+                yield piece, own, here
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
@@ -300,10 +325,7 @@ def _piece(index: int, branch: Any) -> Piece:
     if not first < last:
         raise InvalidInput(f"branch {index} runs from {first:.12g} to {last:.12g}: its end must lie after its start")
 
-    def by_differences(theta: Array) -> Array:
-        return differences_between(lift, theta, theta - first, last - theta)[0]
-
-    piece = Piece(first, last, lift, by_differences if derivative is None else derivative, derivative is not None)
+    piece = Piece(first, last, lift, derivative)
     with np.errstate(all="ignore"):
         checked_call(f"lift of branch {index}", piece.lift, piece.ends)
         checked_call(f"derivative of branch {index}", piece.derivative, piece.ends)
@@ -315,7 +337,7 @@ def _differing(pieces: tuple[Piece, ...], degree: int) -> Mask:
     ends = np.array([[piece.lift(piece.ends), piece.derivative(piece.ends)] for piece in pieces])
     after, before = ends[:, :, 0], np.roll(ends[:, :, 1], 1, axis=0)
     before[0, 0] -= TWO_PI * degree
-    exact = np.array([piece.exact for piece in pieces])
+    exact = np.array([piece.given is not None for piece in pieces])
     slopes = np.where(exact & np.roll(exact, 1), _SAME_SLOPE, _SAME_DIFFERENCE)
     allowed = np.stack([np.full(exact.size, _SAME_VALUE), slopes], axis=1)
     return np.asarray(np.any(np.abs(after - before) > allowed * (1.0 + np.abs(after)), axis=1))

@@ -48,6 +48,7 @@ class Noise(Protocol):
 
 _WIDE = 2.5  # radians: a wider law is summed in Fourier modes, not over its images
 _ORDERS = np.arange(1.0, 9.0)  # the Fourier modes that a wide law has
+_erfc = np.vectorize(math.erfc, otypes=[np.float64])  # SciPy's is slow to import, and needed for few values
 
 
 @dataclass(frozen=True)
@@ -111,9 +112,8 @@ class WrappedNormal:
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
-        from scipy.special import log_ndtr  # slow to import, and seldom asked for
-
-        return np.asarray(np.exp(log_ndtr(-np.asarray(x, dtype=np.float64) / self.sigma)))
+        scaled = np.asarray(x, dtype=np.float64) / (self.sigma * math.sqrt(2.0))
+        return np.asarray(0.5 * _erfc(scaled))
 
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""

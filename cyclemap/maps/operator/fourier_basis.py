@@ -11,7 +11,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 Discretisation: TypeAlias = "FourierDiscretisation | UniformDiscretisation"
 
 MAX_MODES = 2_000
+MAX_WORK = 2e12  # multiplications, some minutes
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 
@@ -32,12 +33,13 @@ Waves = tuple[slice, Array]
 
 def needed_modes(noise: Noise) -> int:
     """Fourier modes beyond which the noise's coefficients add up to less than 1e-17; InvalidInput beyond 2000."""
-    modes = 1
-    while noise.tail(modes) > NEGLIGIBLE and modes <= MAX_MODES:
-        modes = int(np.ceil(1.05 * modes + 1))
-    if modes > MAX_MODES:
+    if noise.tail(MAX_MODES) > NEGLIGIBLE:
         raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
-    return modes
+    few, enough = 0, MAX_MODES
+    while enough - few > 1:
+        middle = (few + enough) // 2
+        few, enough = (few, middle) if noise.tail(middle) <= NEGLIGIBLE else (middle, enough)
+    return enough
 
 
 def waves(theta: Array, modes: int) -> Array:
@@ -138,6 +140,11 @@ class FourierDiscretisation:
             row[abs(order)], row[self.modes + abs(order)] = 1.0, 1j * np.sign(order)
         return row
 
+    @property
+    def work(self) -> float:
+        """Multiplications that ``matrix`` takes."""
+        return float(self.size) ** 2 * self.rule[0].size
+
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as smooth as F."""
@@ -151,6 +158,11 @@ class FourierDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): κ_m ∫ (1, cos mF, sin mF) φ_k dθ; the first row keeps the mass exactly."""
+        if self.work > MAX_WORK:
+            raise ConvergenceError(
+                f"{self.modes} modes on {self.rule[0].size} nodes take {self.work:.2g} multiplications, more than "
+                f"{MAX_WORK:.2g}: the map has too fine a structure for so small a noise; raise the noise"
+            )
         _, weight = self.rule
         matrix = np.zeros((self.size, self.size))
         for (part, before), (_, after) in zip(self._before, self._after, strict=True):

@@ -8,8 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-from scipy.linalg import lapack, lu_factor, lu_solve
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
@@ -18,9 +16,9 @@ from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 
-_NORM_SAFETY = 3.0  # LAPACK's estimate of a norm is seldom more than this below it
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: few enough for the processor's cache
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
+_NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
 
 Rule = tuple[Array, Array]
 
@@ -36,14 +34,22 @@ class StationaryLaw:
     basis: Discretisation
 
     @cached_property
-    def _factors(self) -> tuple[Array, npt.NDArray[np.int32], float]:
-        """LU factors and pivots of I - L + u·massᵀ, and LAPACK's estimate of its inverse's norm ‖·‖₁."""
+    def _inverse(self) -> Array:
+        """The inverse of I - L + u·massᵀ; ConvergenceError where there is none to rounding.
+
+        Every question asks for more solutions, and NumPy alone has it: SciPy's factors take longer to import.
+        """
         matrix = np.eye(self.basis.size) - self.basis.matrix
         matrix += np.multiply.outer(self.basis.uniform, self.basis.mass)
-        lu, pivots = lu_factor(matrix)
-        size = float(np.max(np.sum(np.abs(matrix), axis=0)))
-        reciprocal, _ = lapack.dgecon(lu, size, norm="1")
-        return lu, pivots, float("inf") if reciprocal <= 0.0 else float(1.0 / (reciprocal * size))
+        try:
+            return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+        except np.linalg.LinAlgError as error:
+            raise ConvergenceError(_NOT_UNIQUE) from error
+
+    @cached_property
+    def _growth(self) -> float:
+        """‖·‖₁ of that inverse: how much a residual may grow in a solution."""
+        return float(np.max(np.sum(np.abs(self._inverse), axis=0)))
 
     @cached_property
     def coefficients(self) -> Array:
@@ -51,9 +57,9 @@ class StationaryLaw:
         return self._solve(self.basis.uniform)
 
     def _solve(self, right: Array) -> Array:
-        found = np.asarray(lu_solve(self._factors[:2], right))
+        found = self._inverse @ right
         if not np.all(np.isfinite(found)):
-            raise ConvergenceError("the stationary law is not unique to rounding: raise the noise")
+            raise ConvergenceError(_NOT_UNIQUE)
         return found
 
     def _dual(self, moments: Array) -> Array:
@@ -63,7 +69,7 @@ class StationaryLaw:
         h, shape (n, k), too.
         """
         centred = moments - np.multiply.outer(self.basis.mass, moments.T @ self.coefficients)
-        return np.asarray(lu_solve(self._factors[:2], centred, trans=1))
+        return np.asarray(self._inverse.T @ centred)
 
     @cached_property
     def error(self) -> tuple[Discretisation, Array, float, float]:
@@ -95,7 +101,7 @@ class StationaryLaw:
         # And Σ over m > modes of |E e^{imθ}| after one cycle (proved), with an allowance for rounding.
         beyond = fine.noise.tail(fine.modes) + MATRIX * float(np.linalg.norm(fine.kappa))
         left += beyond * float(np.dot(fine.rule[1], np.abs(density)))
-        growth = 1.0 + _NORM_SAFETY * self._factors[2]
+        growth = 1.0 + self._growth
         return fine, correction, left, growth * left / np.pi
 
     @cached_property
@@ -218,7 +224,7 @@ class StationaryLaw:
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
         found = 0.5 * correlated + basis.noise.variance * (0.5 + float(np.dot(mass, basis.expected_slope(dual))))
         # Rounding is what the norm of (I - L)⁻¹ magnifies.
-        return Estimate(found, INTEGRAL * (1.0 + self._factors[2]) * (1.0 + abs(found)))
+        return Estimate(found, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(found)))
 
 
 def moments_against(basis: Discretisation, theta: Array, mass: Array) -> Array:

@@ -20,6 +20,9 @@ _SAME = 1e-9  # eigenvalues nearer to each other, both well conditioned, are one
 _WELL_CONDITIONED = 1e3
 _TRUSTED = 1.0 / 16.0  # of the distance to the next: a bound to first order up to there leaves out no second order
 _SQUARINGS = 8
+_SPACE = 48  # vectors after which the residuals of an Arnoldi iteration are first looked at
+_CONVERGED = 1e-13  # residual that ends it
+_COPIES = 2  # of one eigenvalue that are found
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +140,36 @@ def _falling(values: Complex) -> Whole:
 
 
 def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
-    """ARPACK's leading eigenvalues and vectors, residuals checked."""
-    from scipy.sparse.linalg import eigs
+    """The leading eigenvalues and vectors by Arnoldi's iteration (1951), residuals checked.
 
-    begin = np.random.default_rng(1).standard_normal(matrix.shape[0])
-    basis = min(matrix.shape[0], max(4 * count, 48))
-    values, vectors = eigs(matrix, count, v0=begin, ncv=basis, tol=1e-13, maxiter=2_000)
+    The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
+    restarted: noise makes eigenvalues fall so fast that some hundred vectors do, and those of a whole
+    basis end it at the latest. It grows from two v, for from one an eigenvalue is found once only.
+    """
+    size = matrix.shape[0]
+    space = np.zeros((size + _COPIES, size))
+    shape = np.zeros((size + _COPIES, size))
+    begin = np.random.default_rng(1).standard_normal((size, _COPIES))
+    space[:_COPIES] = np.linalg.qr(begin)[0].T
+    reached, goal, left = 0, max(4 * count, _SPACE), np.inf
+    while left > _CONVERGED and reached < size:
+        for step in range(reached, min(goal, size)):
+            ahead = matrix @ space[step]
+            known = space[: min(step + _COPIES, size)]
+            for _ in range(2):  # once leaves parts along the others, where much cancels
+                along = known @ ahead
+                ahead -= along @ known
+                shape[: along.size, step] += along
+            if along.size < size:
+                length = float(np.linalg.norm(ahead))
+                shape[along.size, step] = length
+                space[along.size] = ahead / max(length, np.finfo(float).tiny)
+        reached, goal = min(goal, size), 2 * goal
+        found, inside = np.linalg.eig(shape[:reached, :reached])
+        leading = _falling(found)[:count]
+        outside = shape[reached : reached + _COPIES, :reached] @ inside[:, leading]
+        left = float(np.max(np.linalg.norm(outside, axis=0)))
+    values, vectors = found[leading], space[:reached].T @ inside[:, leading]
     residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
     if residual > 1e-8:
         raise ConvergenceError(f"eigenvalues left a residual of {residual:.2g}: raise the noise")

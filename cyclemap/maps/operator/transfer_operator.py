@@ -24,6 +24,7 @@ from cyclemap.maps.operator.poisson_equation import StationaryLaw, density_at
 from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
+from cyclemap.one_thread import one_thread
 
 Function = Callable[[Array], Array]
 
@@ -63,7 +64,8 @@ def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None 
     modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
     Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
-    ``WrappedNormal`` below about 0.0045 rad), ConvergenceError when the map is too steep for it.
+    ``WrappedNormal`` below 0.0046 rad), ConvergenceError when the map is too steep or too fine for it, so that more
+    than 400,000 nodes or 2e12 multiplications would be needed, or uniform noise leaves its law unresolved.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
@@ -105,12 +107,14 @@ class TransferOperator:
         """Fourier modes on each side; for other bases half the number of functions."""
         return self.discretisation.size // 2
 
+    @one_thread
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
         angles = finite_array("theta", theta)
         return density_at(self.discretisation, angles.ravel(), self._law.coefficients).reshape(angles.shape)
 
     @cached_property
+    @one_thread
     def error_bound(self) -> float:
         """Bound on the error of the stationary density, per radian, anywhere on the circle.
 
@@ -127,14 +131,17 @@ class TransferOperator:
         """
         return bool(self.error_bound <= 0.1 / TWO_PI)
 
+    @one_thread
     def moment(self, n: int) -> complex:
         """E e^{inθ} of the stationary law; 0 beyond the modes kept. See ``moment_error``."""
         return complex(self.discretisation.moments(whole_number("n", n)) @ self._law.coefficients)
 
+    @one_thread
     def moment_error(self, n: int) -> float:
         """Bound on |error| of ``moment(n)``."""
         return self._law.moment_error(whole_number("n", n))
 
+    @one_thread
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
         """E h(θ) under the stationary law.
 
@@ -152,6 +159,7 @@ class TransferOperator:
         return self._law.expectation(function, graded)
 
     @cached_property
+    @one_thread
     def rotation_number(self) -> Estimate:
         """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
         if self.map.degree != 1:
@@ -159,6 +167,7 @@ class TransferOperator:
         return self._law.expectation(lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI)
 
     @cached_property
+    @one_thread
     def diffusion(self) -> Estimate:
         """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``StationaryLaw.diffusion``.
 
@@ -172,6 +181,7 @@ class TransferOperator:
         return found if np.isinf(found) else Estimate(found, abs(self._finer.diffusion() - found) + found.error_bound)
 
     @cached_property
+    @one_thread
     def tv_from_uniform(self) -> Estimate:
         """Total variation distance of the law from uniform, ½ ∫ |density - 1/2π| dθ, in [0, 1].
 
@@ -191,6 +201,7 @@ class TransferOperator:
         parts = [abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules]
         return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
 
+    @one_thread
     def peaks(self) -> Array:
         """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is uniform.
 
@@ -202,14 +213,16 @@ class TransferOperator:
 
         return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
 
+    @one_thread
     def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
 
         Fewer are returned only when the basis has fewer functions. Small operators are solved whole, large ones by
-        Arnoldi iteration (ARPACK), whose residuals are checked; ConvergenceError when they fail.
+        Arnoldi's iteration, whose residuals are checked; ConvergenceError when they fail.
         """
         return leading_values(self.discretisation, whole_number("k", k, least=1))
 
+    @one_thread
     def spectrum(self, k: int) -> Spectrum:
         """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
         count = whole_number("k", k, least=1)
@@ -243,6 +256,7 @@ class TransferOperator:
         return StationaryLaw(self.discretisation.refined())
 
     @cached_property
+    @one_thread
     def _second(self) -> Estimate:
         return second_modulus(self.spectrum(_LEADING), self.discretisation)
 

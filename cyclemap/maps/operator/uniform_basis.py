@@ -10,7 +10,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.scan import Cells, monotone_cells
@@ -22,12 +22,14 @@ from cyclemap.maps.noise.panels import (
     level_steps,
     refined,
     resolving_cuts,
+    tails,
     with_ends,
 )
 
 RESOLUTION = 512
 MAX_PANELS = 100
 _TOLERANCES = np.array([1e-13, 1e-9, 1e-9, 1e-9, 1e-9])  # of the stationary law, and of four waves after a few cycles
+_UNRESOLVED = 1e-5  # share of the law's largest coefficient: rougher on the most panels, and nothing is known of it
 _CYCLES = 4
 _FIRST = 8  # panels to begin with
 _BLOCK = 2_048
@@ -43,7 +45,8 @@ def uniform_discretisation(
     functions each). Accuracy, as ``residual`` tells it, beside a density of order 1/2h: about 1e-12 for monotone maps,
     1e-8 with folds, down to h = 0.03 rad; worse where F has an inflection with F' = 0.
 
-    Raises InvalidInput unless the noise is ``UniformNoise`` and max_panels at least 16.
+    Raises InvalidInput unless the noise is ``UniformNoise`` and max_panels at least 16, ConvergenceError where
+    the last coefficients of the law are above 1e-5 on that many panels.
     """
     if not isinstance(noise, UniformNoise):
         raise InvalidInput(f"the noise is {noise!r}: these panels are for UniformNoise")
@@ -56,6 +59,8 @@ def uniform_discretisation(
 
     def made(panels: Panels) -> UniformDiscretisation:
         return UniformDiscretisation(panels.start, panels.end, panels.bent, circle_map, noise, cells)
+
+    seen: list[Array] = []  # the stationary law on the panels that were tried last
 
     def tried(panels: Panels) -> Array:
         """(n, 5): the stationary law, and the waves cos, sin of θ and 2θ after a few cycles."""
@@ -72,9 +77,17 @@ def uniform_discretisation(
         if not np.all(np.isfinite(law)):
             # Two arcs that the noise never connects: the law is not unique, but its parts are as rough as this.
             law = np.linalg.matrix_power(trial.matrix, 64) @ trial.uniform
+        seen[:] = [law[:, None]]
         return np.column_stack([law, waves])
 
-    return made(refined(ends, singular, tried, _TOLERANCES, most))
+    found = made(refined(ends, singular, tried, _TOLERANCES, most))
+    left = float(np.max(tails(found, seen[0])))
+    if found.count >= most and left > _UNRESOLVED:
+        raise ConvergenceError(
+            f"{noise!r} needs more than {most} panels: the last coefficients of the stationary density are still "
+            f"{left:.2g} of its largest; raise the halfwidth, or take a noise with a smooth density"
+        )
+    return found
 
 
 @dataclass(frozen=True, eq=False)

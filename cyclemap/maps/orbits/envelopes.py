@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from functools import lru_cache
 from math import ceil, floor
 
 import numpy as np
@@ -78,14 +79,23 @@ def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
     """The upper envelope, or with ``mirror`` -1 the lower one."""
     if circle_map.degree != 1:
         raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
+    return _with_plateaus(circle_map, *envelope_plateaus(circle_map, mirror))
+
+
+def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Array, Array, float]:
+    """Starts, ends and levels of one turn of the upper envelope's plateaus (``mirror`` -1: the lower one's), radians.
+
+    And what levels and ends may be off.
+    """
     theta, value, steepest = _skeleton(circle_map)
     if mirror > 0.0:
         start, end, level = _plateaus(circle_map, theta, value, 1.0)
     else:  # x → -F(-x) swaps infimum from the right with supremum from the left
         end, start, level = (-part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0))
-    return _with_plateaus(circle_map, start, end, level, SIDE_STEP * steepest)
+    return start, end, level, SIDE_STEP * steepest
 
 
+@lru_cache(maxsize=2)  # both envelopes and the descent of one map ask for it
 def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
     """Points (θ, F) in order over [0, 2π], F monotone between neighbours, a jump one θ twice; the largest |F'|."""
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
@@ -154,6 +164,11 @@ def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array
     def derivative(theta: Array) -> Array:
         return np.where(located(theta)[2], 0.0, circle_map.derivative(theta))
 
+    def slopes(theta: Array) -> tuple[Array, Array]:
+        slope, error = circle_map.derivative_and_error(theta)
+        flat = located(theta)[2]
+        return np.where(flat, 0.0, slope), np.where(flat, 0.0, error)
+
     breaks = np.concatenate([start, end, circle_map.breaks])
     starts, ends, levels, plain = start.tolist(), end.tolist(), level.tolist(), circle_map.scalar()
 
@@ -166,4 +181,5 @@ def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array
         return plain(theta)
 
     claimed = circle_map.max_error + inexact
-    return CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
+    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
+    return made.with_slope_errors(slopes)

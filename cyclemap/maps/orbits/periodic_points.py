@@ -12,8 +12,9 @@ from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import nearest_on_circle
+from cyclemap.maps.lifts.lift_checks import distance_to_break, nearest_on_circle
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
@@ -24,10 +25,12 @@ from cyclemap.maps.orbits.diagonal import (
 )
 
 NEUTRAL = 1e-7
+_TRUSTED = 1e-3  # a multiplier that is less sure than that says nothing of neutrality
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
 _POLISH = 3  # Newton steps at most
 _WIDENINGS = 60
-_ARRAYS = ("theta", "winding", "multiplier", "left_multiplier", "prime_period", "kind", "error_bound")
+_ARRAYS = ("theta", "winding", "multiplier", "left_multiplier", "multiplier_error", "prime_period", "kind")
+_ARRAYS += ("error_bound",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,8 @@ class PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, whatever their prime period; each array has shape (count,).
 
     theta : radians, sorted. winding : w of each point. multiplier, left_multiplier : (Fⁿ)' from the right and
-        from the left; they differ only where the orbit meets a kink.
+        from the left; they differ only where the orbit meets a kink. multiplier_error : a bound on the error of both,
+        from that of F' (by differences where none was given) and that of the points.
     prime_period : the least d with F^d(θ) = θ on the circle, a divisor of n.
     kind : "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
     error_bound : radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has opposite
@@ -52,6 +56,7 @@ class PeriodicPoints:
     winding: Whole
     multiplier: Array
     left_multiplier: Array
+    multiplier_error: Array
     prime_period: Whole
     kind: npt.NDArray[np.str_]
     error_bound: Array
@@ -97,10 +102,12 @@ def periodic_points(circle_map: CircleMap, period: int, winding: int | None = No
     # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
     flips = (left < 0.0) & (right < 0.0)
     attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
-    neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= NEUTRAL
+    slope_error = _multiplier_error(circle_map, roots.theta, n, np.maximum(np.abs(left), np.abs(right)), bound)
+    unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
+    neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= unsure
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
     kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
-    found = PeriodicPoints(roots.theta, roots.winding, right, left, prime, kind, bound, image, n, residual)
+    found = PeriodicPoints(roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n, residual)
     # Those with the wanted winding, read-only; links to points left out are cut.
     keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
     number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
@@ -229,6 +236,19 @@ def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, 
     return product
 
 
+def _multiplier_error(circle_map: CircleMap, theta: Array, period: int, size: Array, bound: Array) -> Array:
+    """What the errors of F', and of the angles at which it is read, make of multipliers of this ``size``."""
+    product, largest, angle, off = np.ones(theta.size), np.ones(theta.size), theta, np.minimum(bound, 1e-6)
+    for _ in range(period):
+        slope, error = circle_map.derivative_and_error(angle)
+        sides = [circle_map.derivative(angle + side * off) for side in (-1.0, 1.0)]
+        smooth = distance_to_break(circle_map.breaks, angle) > off + _LINKED
+        error = error + smooth * np.max([np.abs(side - slope) for side in sides], axis=0)
+        product, largest = product * np.abs(slope), largest * (np.abs(slope) + error)
+        angle = np.mod(circle_map(angle), TWO_PI)
+    return np.asarray(largest - product + 4.0 * EPS * period * (largest + size))
+
+
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     """F' from the right and from the left; angles next to a break count as lying on it."""
     if circle_map.breaks.size == 0:
@@ -249,7 +269,7 @@ class Orbit:
     points : shape (period,), radians in [0, 2π), in the order in which they are visited, the smallest first.
     period : prime period, cycles.
     winding : w with Fⁿ(points[0]) = points[0] + 2πw: whole turns in one period.
-    multiplier : (Fⁿ)' along the orbit; on a kink the one from the right.
+    multiplier : (Fⁿ)' along the orbit; on a kink the one from the right. Its ``error_bound`` is of F' and the points.
     left_multiplier : the same from the left; equal to ``multiplier`` away from kinks.
     stable : whether points on both sides are attracted.
     kind : "stable", "unstable", "saddle-node" (Fⁿ - id touches 2πw without crossing it, also at a kink: two orbits
@@ -262,8 +282,8 @@ class Orbit:
     points: Array
     period: int
     winding: int
-    multiplier: float
-    left_multiplier: float
+    multiplier: Estimate
+    left_multiplier: Estimate
     stable: bool
     kind: str
     error_bound: float = float("inf")
@@ -319,7 +339,8 @@ def periodic_orbits(circle_map: CircleMap, period: int, winding: int | None = No
                 continue
         turns, kind = int(found.winding[i]), str(found.kind[i])
         if wanted is None or turns == wanted:
-            slopes = float(found.multiplier[i]), float(found.left_multiplier[i])
+            off = float(found.multiplier_error[i])
+            slopes = Estimate(found.multiplier[i], off), Estimate(found.left_multiplier[i], off)
             orbits.append(Orbit(read_only(points), found.period, turns, *slopes, kind == "stable", kind, bound))
     return orbits
 

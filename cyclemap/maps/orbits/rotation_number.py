@@ -83,6 +83,13 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
     return visited
 
 
+def window(count: int) -> Array:
+    """Weights exp(-1/t(1 - t)), t = k/(count + 1), k = 1..count, that sum to 1."""
+    t = np.arange(1.0, count + 1.0) / (count + 1.0)
+    weight = np.exp(-1.0 / (t * (1.0 - t)))
+    return np.asarray(weight / np.sum(weight))
+
+
 def weighted_mean(values: Array) -> Estimate:
     """The mean of ``values``, shape (n,), n ≥ 16, in the order of time, as in ``birkhoff_average``."""
     if np.any(np.isneginf(values)):
@@ -97,10 +104,8 @@ def weighted_mean(values: Array) -> Estimate:
 
 
 def _windowed(values: Array) -> float:
-    t = np.arange(1.0, values.size + 1.0) / (values.size + 1.0)
-    weight = np.exp(-1.0 / (t * (1.0 - t)))
     # Sums of numpy are pairwise: their rounding grows with log n only.
-    return float(np.sum(weight * values) / np.sum(weight))
+    return float(np.sum(window(values.size) * values))
 
 
 MAX_PERIOD = 2_000
@@ -217,8 +222,9 @@ def rotation_interval(
     """
     budget = _budget(circle_map, iterates, max_period, tolerance)
     low_map, high_map = lower_envelope(circle_map), upper_envelope(circle_map)
-    low = _monotone_rotation(low_map, budget)
-    high = low if high_map is low_map else _monotone_rotation(high_map, budget)
+    # Envelopes fall by no more than was left of a descent.
+    low = _monotone_rotation(low_map, budget, SLACK)
+    high = low if high_map is low_map else _monotone_rotation(high_map, budget, SLACK)
     return RotationInterval(low.value, high.value, low, high)
 
 

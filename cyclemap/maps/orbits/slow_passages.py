@@ -10,7 +10,7 @@ from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.scan import Cells, is_continuous, is_rising, monotone_cells
+from cyclemap.maps.lifts.scan import Cells, bracketed_root, is_continuous, is_rising, monotone_cells
 from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
 
 LEAST_CYCLES = 10.0
@@ -18,6 +18,7 @@ REACH = 4.0  # widths on each side of the slowest point across which ``relative_
 _SHARE = 0.5  # of the mean |Fⁿ - id - 2πw|: a larger gap is no bottleneck
 _STEP = 1e-3  # radians at most, of the differences that give the curvature
 _GAUSS = 48
+_FOLLOWED = 1_000.0  # iterates: longer passages are slow enough for the flow's series
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class SlowPassage:
     direction : 1 when the orbit moves up through it, -1 down.
     relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that takes 84 % of the
         passage; of order ε. Measured, not proved: the true number is the integral of dx/v, v the flow that interpolates
-        the map. inf where that stretch holds a zero of v, a break, or more than a turn.
+        the map. What rounding leaves unknown of ε is added. inf where that stretch holds a zero of v, a break, or more
+        than a turn, and where a path across it does not get through.
     """
 
     theta: float
@@ -127,13 +129,65 @@ def _relative_error(
         if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
             return float("inf")
         angle = circle_map(angle)
-    g, slope, _ = displacement(circle_map, theta + x, period, np.full(x.size, whole))
+    g, slope, rounding = displacement(circle_map, theta + x, period, np.full(x.size, whole))
     if np.any(g * gap <= 0.0):
         return float("inf")
-    bend = slope - 1.0
-    stretch = edge * weight * width * (1.0 + (x[:-2] / width) ** 2)
-    # ∫dx/v = ∫dx/g + ½[ln g] - (1/12)∫g'²/g dx - (1/12)[g'] + ...
-    true = np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2])
-    true += 0.5 * np.log(g[-1] / g[-2]) - (bend[-1] - bend[-2]) / 12.0
     parabola = 2.0 * edge / np.sqrt(curvature * gap)
-    return float(abs(abs(true) / parabola - 1.0))
+    if parabola <= _FOLLOWED:
+        true = _followed(circle_map, period, theta, whole, REACH * width, gap)
+    else:
+        bend = slope - 1.0
+        stretch = edge * weight * width * (1.0 + (x[:-2] / width) ** 2)
+        # ∫dx/v = ∫dx/g + ½[ln g] - (1/12)∫g'²/g dx - (1/12)[g'] + ...
+        true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))
+        true += 0.5 * float(np.log(g[-1] / g[-2])) - float(bend[-1] - bend[-2]) / 12.0
+    unknown = 0.5 * float(np.max(rounding)) / abs(gap)
+    return abs(abs(true) / parabola - 1.0) + unknown
+
+
+def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float) -> float:
+    """Iterates from one end of the stretch to the other, theta ± reach, by following paths to its middle and from it.
+
+    Fractions of an iterate are those of the flow across the middle, where it is slowest and its series is good.
+    """
+    way = 1.0 if gap > 0.0 else -1.0
+
+    def moved(x: float) -> float:
+        place = np.array([theta + way * x])
+        return x + way * float(displacement(circle_map, place, period, np.array([whole]))[0][0])
+
+    def fraction(x: float) -> float:
+        """The share of an iterate that the flow takes from the middle to ``x``, of all that it takes to ``first``."""
+        nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+        times = []
+        for end in (x, first):
+            place = theta + way * 0.5 * end * (1.0 + nodes)
+            g, slope, _ = displacement(circle_map, place, period, np.full(_GAUSS, whole))
+            bend = slope - 1.0
+            # 1/v = 1/g + g'/2g - g'²/12g - g''/12, the last one as a difference.
+            inverse = (1.0 + 0.5 * bend - bend**2 / 12.0) / g
+            ends = displacement(circle_map, theta + way * np.array([0.0, end]), period, np.full(2, whole))[1]
+            times.append(0.5 * end * float(weights @ inverse) - way * float(ends[1] - ends[0]) / 12.0)
+        return times[0] / times[1]
+
+    first = moved(0.0)
+    if not first > 0.0:
+        return float("inf")
+    cycles, x = 0.0, -reach
+    while x < 0.0 and cycles <= 4.0 * _FOLLOWED:
+        before, x, cycles = x, moved(x), cycles + 1.0
+        if x <= before:
+            return float("inf")
+    cycles -= fraction(x)
+    # From the middle on: the angle between it and its image whose path meets the far end.
+    steps, x = 0, 0.0
+    while moved(x) <= reach and steps <= 4.0 * _FOLLOWED:
+        x, steps = moved(x), steps + 1
+
+    def arrives(start: float) -> float:
+        for _ in range(steps):
+            start = moved(start)
+        return start - reach
+
+    late = bracketed_root(lambda y, _: np.array([arrives(float(value)) for value in y]), np.zeros(1), np.array([first]))
+    return cycles + steps + fraction(float(late[0]))

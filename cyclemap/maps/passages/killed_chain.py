@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, finite_number
@@ -129,10 +128,12 @@ def eliminated(q: Array, out: Array) -> Elimination:
             block[:k, :k] += np.multiply.outer(share, block[k, :k])
             away[:k] += share * away[k]
         pivots = np.diag(block)
-        factors = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1) - np.triu(block, 1)
-        left[inside] = _triangular(factors, left[inside], upper=True)
-        work[inside, :low] = _triangular(factors, work[inside, :low], upper=True)
-        work[:low, inside] = _triangular(factors, work[:low, inside].T, transposed=True).T
+        shares = np.eye(high - low) - np.triu(block, 1)
+        moves = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1)
+        # An upper triangle is its own LU factor: these only substitute, in sums of >= 0.
+        left[inside] = np.linalg.solve(shares, left[inside])
+        work[inside, :low] = np.linalg.solve(shares, work[inside, :low])
+        work[:low, inside] = np.linalg.solve(moves.T, work[:low, inside].T).T
         left[:low] += work[:low, inside] @ left[inside]
         work[:low, :low] += work[:low, inside] @ work[inside, :low]
     packed = np.negative(work, out=np.empty_like(work, order="F"))
@@ -140,14 +141,22 @@ def eliminated(q: Array, out: Array) -> Elimination:
     return Elimination(packed, out[order], order)
 
 
-def _triangular(packed: Array, values: Array, *, upper: bool = False, transposed: bool = False) -> Array:
-    """Solve with the unit upper factor, or with the lower one; nothing cancels when ``values`` >= 0."""
-    if packed.shape[0] == 0:
-        return values
-    trans = "T" if transposed else "N"
-    return np.asarray(
-        solve_triangular(packed, values, trans=trans, lower=not upper, unit_diagonal=upper, check_finite=False)
-    )
+def _triangular(packed: Array, values: Array, *, upper: bool = False) -> Array:
+    """Solve with the unit upper factor, or with the lower one, in blocks; nothing cancels when ``values`` >= 0."""
+    found = np.array(values)
+    lows = range(0, packed.shape[0], _BLOCK)
+    for low in reversed(lows) if upper else lows:
+        inside = slice(low, low + _BLOCK)
+        known = slice(low + _BLOCK, None) if upper else slice(0, low)
+        block = packed[inside, inside]
+        with np.errstate(over="ignore", invalid="ignore"):
+            rest = found[inside] - packed[inside, known] @ found[known]
+        # Turned upside down a lower triangle is an upper one.
+        if upper:
+            found[inside] = np.linalg.solve(np.eye(block.shape[0]) + np.triu(block, 1), rest)
+        else:
+            found[inside] = np.linalg.solve(np.tril(block)[::-1, ::-1], rest[::-1])[::-1]
+    return found
 
 
 MAX_UNKNOWNS = 6_000

@@ -21,6 +21,7 @@ from cyclemap.maps.passages.killed_chain import (
     required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
+from cyclemap.one_thread import one_thread
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
 _MOST_NODES = 60_000
@@ -37,6 +38,7 @@ _TURNS = TWO_PI * np.arange(-2.0, 2.0)  # images of a gap in [0, 2π) that may c
 _ACCEPTED = 1e-6  # error bound of ln T that is accepted at all
 
 
+@one_thread
 def log10_passage_time(
     circle_map: CircleMap,
     noise: Noise,

@@ -23,6 +23,7 @@ from cyclemap.maps.passages.killed_chain import (
     killed_chain,
     required_inside,
 )
+from cyclemap.one_thread import one_thread
 
 LONGEST = 1e300  # cycles: a longer passage is given as inf
 _GOOD = 1e-9  # relative error bound with which few nodes will do
@@ -31,6 +32,7 @@ _BESIDE = 0.01  # share of what the map's own error makes uncertain, below which
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
+@one_thread
 def mean_passage_time(
     circle_map: CircleMap,
     noise: Noise,
@@ -71,6 +73,7 @@ def mean_passage_time(
     return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
 
+@one_thread
 def hitting_probability(
     circle_map: CircleMap,
     noise: Noise,
@@ -128,6 +131,7 @@ def _certified(make: Callable[..., KilledChain], start: float, each: float, at: 
     return Estimate(value, own + from_map)
 
 
+@one_thread
 def survival_probabilities(
     circle_map: CircleMap, noise: Noise, start: float, arc: Arc, cycles: int, *, lifted: bool = False
 ) -> Array:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only, whole_number
@@ -21,6 +20,7 @@ from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
 from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
+from cyclemap.one_thread import one_thread
 
 _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
@@ -97,6 +97,7 @@ class StaircaseSummary:
         return self.step / pace if pace > 0.0 else float("inf")
 
 
+@one_thread
 def predict_staircase(
     circle_map: CircleMap, noise: Noise, operator: TransferOperator | None = None
 ) -> StaircaseSummary:
@@ -237,10 +238,10 @@ def _visit_moments(
 
 def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
     """From each node: the chance to leave by ``out``, and E length and E length² on that event."""
-    factors = lu_factor(np.eye(out.size) - kernel)
-    chance = lu_solve(factors, out)
-    length = lu_solve(factors, chance)
-    return chance, length, lu_solve(factors, chance + 2.0 * (kernel @ length))
+    runs = np.linalg.inv(np.eye(out.size) - kernel)
+    chance = runs @ out
+    length = runs @ chance
+    return chance, length, runs @ (chance + 2.0 * (kernel @ length))
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,6 +266,7 @@ class DriftSummary:
         return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
 
 
+@one_thread
 def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int = 5) -> DriftSummary:
     """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
 

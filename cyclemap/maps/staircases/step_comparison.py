@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import gammainc, stdtr
 
 from cyclemap.arrays import TWO_PI
 from cyclemap.checks import finite_array
@@ -104,6 +103,8 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
             within = 2.0 * float(np.mean(steps.scatter**2))
             error = float(np.sqrt(between + within) / prediction.step)
         if error and steps.count >= _FEWEST_PERIODS:
+            from scipy.special import stdtr  # slow to import, as below
+
             pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
     zones = steps.zones if steps.zones == prediction.zones else ()
     return StepComparison(
@@ -161,6 +162,8 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
         mean, error = kaplan_meier_mean(lengths, ~closed)
     expected, spread, chance = zone.visit_cycles, zone.visit_spread, None
     if expected is not None and spread is not None and spread > 0.0 and np.isfinite(expected) and exposure > 0.0:
+        from scipy.special import gammainc
+
         # P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums.
         shape, scale = (expected / spread) ** 2, spread * (spread / expected)
         as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0

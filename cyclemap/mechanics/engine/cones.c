@@ -12,52 +12,36 @@ static const double SHORTEST_PANEL = 1e-12;
    closed form cancel to 1e-9, 1e-10 and 1e-11. */
 static const double FOUNDATION_FAR[] = {30.0, 10.0, 5.0};
 static const int ALONG_CONE[] = {0, 1, 2}, ALONG_SIDE[] = {1, 2, 4};
-/* Motions up to these tolerances are fine ones, usual ones. */
-static const double FINE = 2e-11, USUAL = 1e-7;
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
 enum { SUM_SPEED, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY, SUM_SIZE };
 
-/* Which of BOUNDARY_REACH serves a tolerance. */
-static int digits_for(double tolerance) {
-    return tolerance > USUAL ? 0 : tolerance > FINE ? 1 : 2;
-}
-
-static void begin_pressed(Pressed *at, double tolerance) {
-    at->is_known = 0;
-    at->digits = digits_for(tolerance);
-}
-
-/* What is summed at a twist about the centroid, under a quadratic. From near: its value, gradient
-   and bend at the centre of rotation, and w = image (x - centre), by columns. */
+/* What is summed at a twist about the centroid, under a quadratic; frame: w of places, image: the
+   quadratic of w. */
 typedef struct {
     Friction *f;
     const double *quadratic;
     int is_far, digits;
-    double centre[2], level, gradient[2], bend[3], image[MATRIX_SIZE];
-    double sums[SUM_SIZE], moved[WRENCH];
+    double image[QUADRATIC_SIZE], moved[WRENCH];
     Frame frame;
+    Lanes sums[SUM_SIZE];
     Sums places;
 } Cones;
 
-static Cones cones_of(Friction *f, const double *quadratic, int is_far, int digits) {
-    const double *m = f->matrix, *v = f->twist, *q = quadratic, omega = v[OMEGA];
-    Cones c = {.f = f, .quadratic = q, .is_far = is_far, .digits = digits};
+static void begin_cones(Cones *c, Friction *f, const double *quadratic, int is_far, int digits) {
+    c->f = f;
+    c->quadratic = quadratic;
+    c->is_far = is_far;
+    c->digits = digits;
+    c->frame = frame_of(f, 0.0, 0.0, 1.0, 1.0);
+    memset(c->moved, 0, sizeof c->moved);
     if (is_far) {
-        c.frame = frame_of(f, 0.0, 0.0, 1.0, 1.0);
-        return c;
+        memset(&c->places, 0, sizeof c->places);
+        return;
     }
-    c.image[M_XX] = omega * m[M_XY];
-    c.image[M_YX] = omega * m[M_YY];
-    c.image[M_XY] = -omega * m[M_XX];
-    c.image[M_YY] = -omega * m[M_YX];
-    c.centre[X] = -v[VY] / omega;
-    c.centre[Y] = v[VX] / omega;
-    c.bend[0] = q[Q_XX];
-    c.bend[1] = 2.0 * q[Q_XY];
-    c.bend[2] = q[Q_YY];
-    c.level = pressure_at(q, c.centre[X], c.centre[Y]);
-    gradient_at(q, c.centre[X], c.centre[Y], c.gradient);
-    return c;
+    memset(c->sums, 0, sizeof c->sums);
+    const double *given[] = {f->twist, f->matrix, quadratic};
+    double *results[] = {c->image};
+    pressed_image(given, results, 0, 0, 0);
 }
 
 /* From afar: places along the cone from the centroid to a place on the boundary. */
@@ -82,42 +66,51 @@ static inline void add_far_cone(Cones *c, double end_x, double end_y, double cro
     }
 }
 
-/* Places on the boundary, how they go on, and the weights with which they count. */
-typedef struct { Lanes x, y, by_x, by_y, weight; } Boundary;
-
-/* Thin cones from the centre of rotation to places on the boundary. */
-static ALWAYS_INLINE void add_cones(const Cones *c, const Boundary *at, Lanes *sums) {
-    const double *b = c->image;
-    Lanes x = at->x - c->centre[X], y = at->y - c->centre[Y];
-    Lanes cross = at->weight * (x * at->by_y - y * at->by_x);
-    Lanes first = c->gradient[X] * x + c->gradient[Y] * y;
-    Lanes second = x * (c->bend[0] * x + c->bend[1] * y) + c->bend[2] * y * y;
-    Lanes wx = b[M_XX] * x + b[M_XY] * y, wy = b[M_YX] * x + b[M_YY] * y;
-    Lanes speed = wx * wx + wy * wy + 1e-300;
-    roots(&speed);
-    Lanes slowness = 1.0 / speed, ux = wx * slowness, uy = wy * slowness;
-    Lanes power = cross * (c->level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0));
-    Lanes force = cross * (c->level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0));
-    Lanes bent = cross * slowness * (c->level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
-    sums[SUM_SPEED] += power * speed;
+/* Thin cones from the centre of rotation, w = 0, to places w on the boundary. */
+static ALWAYS_INLINE void add_cones(const Lanes *image, const Boundary *at, Lanes *sums) {
+    Lanes x = at->x, y = at->y, xx = x * x, yy = y * y;
+    Lanes level = at->cross * image[Q_LEVEL];
+    Lanes first = at->cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
+    Lanes second = at->cross * (image[Q_XX] * xx + image[Q_XY] * (x * y) + image[Q_YY] * yy);
+    Lanes slowness = 1.0 / rooted(xx + yy + 1e-300), ux = x * slowness, uy = y * slowness;
+    Lanes power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
+    Lanes force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
+    Lanes bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
+    Lanes bent_x = bent * ux, bent_y = bent * uy;
+    sums[SUM_SPEED] += power * (x * ux + y * uy);
     sums[SUM_X] += force * ux;
     sums[SUM_Y] += force * uy;
-    sums[SUM_XX] += bent * uy * uy;
-    sums[SUM_XY] -= bent * ux * uy;
-    sums[SUM_YY] += bent * ux * ux;
+    sums[SUM_XX] += bent_y * uy;
+    sums[SUM_XY] -= bent_x * uy;
+    sums[SUM_YY] += bent_x * ux;
 }
 
-/* How D and force of the same move. */
-static void move_cones(Cones *c, const Boundary *at) {
-    Lanes x = at->x - c->centre[X], y = at->y - c->centre[Y];
-    Lanes cross = at->weight * (x * at->by_y - y * at->by_x);
-    for (int k = 0; k < LANES; ++k) {
-        double found[WRENCH], *results[] = {found};
-        const double cone[] = {at->x[k], at->y[k], cross[k]};
-        const double *given[] = {c->f->twist, c->f->matrix, cone, c->quadratic, c->f->toward};
-        pressed_cone_toward(given, results, 0, 0, 0);
-        add(c->moved, found, 1.0, WRENCH);
+/* How D and force of a thin cone move. */
+static void move_cone(Cones *c, double x, double y, double cross) {
+    double found[WRENCH], *results[] = {found};
+    const double cone[] = {x, y, cross};
+    const double *given[] = {c->f->twist, c->f->matrix, cone, c->quadratic, c->f->toward};
+    pressed_cone_toward(given, results, 0, 0, 0);
+    add(c->moved, found, 1.0, WRENCH);
+}
+
+static inline void velocity_at(const Frame *e, const double *place, double *w) {
+    const double *t = e->spin;
+    w[X] = e->middle[X] + e->omega * (t[M_XX] * place[X] + t[M_XY] * place[Y]);
+    w[Y] = e->middle[Y] + e->omega * (t[M_YX] * place[X] + t[M_YY] * place[Y]);
+}
+
+/* An arc as seen from the centre of rotation: in the velocity plane, or where it is. */
+static Arc arc_from(const Cones *c, const Arc *arc, int is_image) {
+    Arc seen = *arc;
+    const double *v = c->f->twist, centre[] = {-v[VY] / v[OMEGA], v[VX] / v[OMEGA]};
+    const double *from[] = {arc->a, arc->b, arc->c};
+    double *to[] = {seen.a, seen.b, seen.c};
+    for (int i = 0; i < 3; ++i) {
+        if (is_image) velocity_at(&c->frame, from[i], to[i]);
+        else for (int k = 0; k < 2; ++k) to[i][k] = from[i][k] - centre[k];
     }
+    return seen;
 }
 
 static double complex root_of(double complex z) {
@@ -126,95 +119,141 @@ static double complex root_of(double complex z) {
     return x >= 0.0 ? larger + I * smaller : fabs(smaller) + I * copysign(larger, y);
 }
 
-/* Where a sum along an arc is singular, 2 s - 1 as (real, imaginary): its poles, which come in
-   pairs, and the complex zeros of w, which is a quadratic of the arc's form. */
-enum { POLE, MIRRORED, FIRST_ZERO, SECOND_ZERO, SINGULAR };
-typedef struct { double at[SINGULAR][2]; } Singular;
-
-static Singular singular_of(const Cones *c, const Arc *arc) {
-    double pole = pole_of(arc->weight), real = arc->weight < 1.0 ? 0.0 : pole;
-    double imaginary = arc->weight < 1.0 ? pole : 0.0;
-    /* of cones from afar, nothing else */
-    Singular found = {{{real, imaginary}, {-real, imaginary}, {0.0, 1e9}, {0.0, 1e9}}};
-    if (c->is_far) return found;
-    const double *b = c->image, *places[] = {arc->a, arc->c, arc->b};
-    double complex w[3];
-    for (int k = 0; k < 3; ++k) {
-        double x = places[k][X] - c->centre[X], y = places[k][Y] - c->centre[Y];
-        w[k] = b[M_XX] * x + b[M_XY] * y + I * (b[M_YX] * x + b[M_YY] * y);
-    }
-    /* in t = s / (1 - s): w2 t^2 + 2 weight w1 t + w0 = 0, 2 s - 1 = (t - 1) / (t + 1) */
-    double complex half = arc->weight * w[1], root = root_of(half * half - w[0] * w[2]);
+/* Where |w| along an arc's image is singular, in 2 s - 1: the complex zeros of w, a quadratic. */
+enum { ZEROS = 2 };
+static void zeros_of(const Arc *image, double complex *zeros) {
+    double complex first = image->a[X] + I * image->a[Y], last = image->b[X] + I * image->b[Y];
+    double complex half = image->weight * image->c[X] + I * (image->weight * image->c[Y]);
+    /* in t = s / (1 - s): last t^2 + 2 half t + first = 0, 2 s - 1 = (t - 1) / (t + 1) */
+    double complex root = root_of(half * half - first * last);
     int same = creal(half) * creal(root) + cimag(half) * cimag(root) >= 0.0;
     double complex down = same ? -half - root : root - half;
-    const double complex zero[] = {quotient(down - w[2], down + w[2]), quotient(w[0] - down, w[0] + down)};
-    for (int k = 0; k < 2; ++k) {
-        found.at[FIRST_ZERO + k][0] = creal(zero[k]);
-        found.at[FIRST_ZERO + k][1] = cimag(zero[k]);
-    }
-    return found;
+    zeros[0] = quotient(down - last, down + last);
+    zeros[1] = quotient(first - down, first + down);
 }
 
-/* How far a panel reaches to what is singular; low and high in 2 s - 1. */
-static double panel_reach(const Singular *singular, double low, double high) {
-    double middle = 0.5 * (low + high), scale = 2.0 / (high - low), least = INFINITY;
-    for (int k = 0; k < SINGULAR; ++k) {
-        const double *at = singular->at[k];
-        double reach = reach_of((at[0] - middle) * scale, at[1] * scale);
-        if (reach < least) least = reach;
+/* How far a panel, low to high in 2 s - 1, is from what is singular: see `axis` of Arc. */
+static double panel_axis(double axis, const double complex *zeros, double low, double high) {
+    double middle = 0.5 * (low + high), scale = 2.0 / (high - low);
+    for (int k = 0; k < ZEROS; ++k) {
+        double x = (creal(zeros[k]) - middle) * scale, y = cimag(zeros[k]) * scale;
+        double other = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
+        if (other < axis) axis = other;
     }
-    return least;
+    return axis;
 }
 
-/* Cones to a panel of an arc, halved towards what is singular. */
-static void add_panel(Cones *c, const Arc *arc, const Singular *singular, double low, double high) {
-    int rule = boundary_rule(panel_reach(singular, low, high), c->digits);
-    double middle = 0.5 * (low + high), half = 0.5 * (high - low);
-    if (rule == BOUNDARY_RULE_COUNT && half > SHORTEST_PANEL) {
-        add_panel(c, arc, singular, low, middle);
-        add_panel(c, arc, singular, middle, high);
+/* A panel of an arc, low to high in 2 s - 1, and one of Gauss's rules for it. */
+typedef struct { double middle, half; int rule; } Panel;
+
+static ALWAYS_INLINE void panel_at(const Sweep *sweep, const Panel *panel, int j, Boundary *at) {
+    Lanes node, weight;
+    memcpy(&node, BOUNDARY_NODES + j, sizeof node);
+    memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
+    arc_at(sweep, 0.5 * (1.0 + panel->middle) + 0.5 * panel->half * node, panel->half * weight, at);
+}
+
+/* Cones to a panel of an arc's image. */
+static void add_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
+    Lanes sums[SUM_SIZE], image[QUADRATIC_SIZE];
+    for (int k = 0; k < QUADRATIC_SIZE; ++k) image[k] = all(c->image[k]);
+    image[Q_XY] *= 2.0;
+    memcpy(sums, c->sums, sizeof sums);
+    for (int j = BOUNDARY_FIRST[panel->rule]; j < BOUNDARY_FIRST[panel->rule + 1]; j += LANES) {
+        Boundary at;
+        panel_at(sweep, panel, j, &at);
+        add_cones(image, &at, sums);
+    }
+    memcpy(c->sums, sums, sizeof sums);
+}
+
+/* How what they add moves; the arc is seen from the centre of rotation. */
+static void move_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
+    const double *v = c->f->twist, centre[] = {-v[VY] / v[OMEGA], v[VX] / v[OMEGA]};
+    for (int j = BOUNDARY_FIRST[panel->rule]; j < BOUNDARY_FIRST[panel->rule + 1]; j += LANES) {
+        Boundary at;
+        panel_at(sweep, panel, j, &at);
+        for (int k = 0; k < LANES; ++k)
+            move_cone(c, at.x[k] + centre[X], at.y[k] + centre[Y], at.cross[k]);
+    }
+}
+
+/* Panels are halved towards what is singular. */
+static void add_panels(Cones *c, const Sweep *sweep, double axis, const double complex *zeros,
+                       double low, double high) {
+    int rule = boundary_rule(panel_axis(axis, zeros, low, high), c->digits);
+    double middle = 0.5 * (low + high);
+    if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
+        add_panels(c, sweep, axis, zeros, low, middle);
+        add_panels(c, sweep, axis, zeros, middle, high);
         return;
     }
-    if (rule == BOUNDARY_RULE_COUNT) rule = 0;
-    Lanes sums[SUM_SIZE] = {{0.0}};
-    const Cones near = *c;
+    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : 0};
+    if (c->f->toward) move_panel(c, sweep, &panel);
+    else add_panel(c, sweep, &panel);
+}
+
+static void add_arc_of(Cones *c, const Arc *arc) {
+    if (!c->is_far) {
+        double complex zeros[ZEROS];
+        Arc image = arc_from(c, arc, 1), seen = c->f->toward ? arc_from(c, arc, 0) : image;
+        Sweep sweep = sweep_of(&seen);
+        zeros_of(&image, zeros);
+        add_panels(c, &sweep, arc->axis, zeros, -1.0, 1.0);
+        return;
+    }
+    int rule = boundary_rule(arc->axis, c->digits);
+    Sweep sweep = sweep_of(arc);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
         Lanes node, weight;
         Boundary at;
         memcpy(&node, BOUNDARY_NODES + j, sizeof node);
         memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-        Lanes s = 0.5 * (1.0 + middle + half * node);
-        arc_at(arc, &s, &at.x, &at.y, &at.by_x, &at.by_y);
-        at.weight = half * weight;
-        if (c->is_far) {
-            Lanes cross = at.weight * (at.x * at.by_y - at.y * at.by_x);
-            for (int k = 0; k < LANES; ++k) add_far_cone(c, at.x[k], at.y[k], cross[k]);
-        } else if (c->f->toward) move_cones(c, &at);
-        else add_cones(&near, &at, sums);
+        arc_at(&sweep, 0.5 * (1.0 + node), weight, &at);
+        for (int k = 0; k < LANES; ++k) add_far_cone(c, at.x[k], at.y[k], at.cross[k]);
     }
-    for (int k = 0; k < SUM_SIZE; ++k) c->sums[k] += sums[k][0] + sums[k][1];
 }
 
-static void add_side(Cones *c, const double *side) {
-    double found[SUM_SIZE], *results[] = {found};
-    const double *twist = c->f->twist, *matrix = c->f->matrix, *toward = c->f->toward;
-    if (c->is_far) {
-        double ex = side[EDGE_END_X] - side[EDGE_START_X], ey = side[EDGE_END_Y] - side[EDGE_START_Y];
-        double cross = side[EDGE_START_X] * ey - side[EDGE_START_Y] * ex;
-        int rule = ALONG_SIDE[c->digits];
-        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
-            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), share = BOUNDARY_WEIGHTS[j] * cross;
-            add_far_cone(c, side[EDGE_START_X] + s * ex, side[EDGE_START_Y] + s * ey, share);
+/* Sides of the contact, some at once. */
+static void add_pressed_sides(Cones *c, const Pressed *at) {
+    Lanes given[EDGE_SIZE + QUADRATIC_SIZE], found[SUM_SIZE], ends[EDGE_SIZE], still[2];
+    Lanes turn[MATRIX_SIZE], sums[SUM_SIZE];
+    for (int k = 0; k < QUADRATIC_SIZE; ++k) given[EDGE_SIZE + k] = all(c->image[k]);
+    for (int k = 0; k < MATRIX_SIZE; ++k) turn[k] = all(c->frame.omega * c->frame.spin[k]);
+    for (int k = 0; k < 2; ++k) still[k] = all(c->frame.middle[k]);
+    memset(sums, 0, sizeof sums);
+    for (int i = 0; i < at->side_count; i += LANES) {
+        Lanes counts;
+        for (int k = 0; k < LANES; ++k) {
+            const double *side = at->sides[i + k < at->side_count ? i + k : i];
+            for (int j = 0; j < EDGE_SIZE; ++j) ends[j][k] = side[j];
+            counts[k] = i + k < at->side_count;
         }
-    } else if (toward) {
-        const double *given[] = {twist, matrix, side, c->quadratic, toward};
-        pressed_side_toward(given, results, 0, 0, 0);
-        add(c->moved, found, 1.0, WRENCH);
-    } else {
-        const double *given[] = {twist, matrix, side, c->quadratic};
-        pressed_side(given, results, 0, 0, 0);
-        add(c->f->sums, found, 1.0, SUM_SIZE);
+        for (int j = 0; j < EDGE_SIZE; j += 2) {
+            given[j + X] = still[X] + turn[M_XX] * ends[j + X] + turn[M_XY] * ends[j + Y];
+            given[j + Y] = still[Y] + turn[M_YX] * ends[j + X] + turn[M_YY] * ends[j + Y];
+        }
+        pressed_side(given, found);
+        for (int j = 0; j < SUM_SIZE; ++j) sums[j] += counts * found[j];
     }
+    for (int j = 0; j < SUM_SIZE; ++j) c->sums[j] += sums[j];
+}
+
+static void add_far_side(Cones *c, const double *side) {
+    double ex = side[EDGE_END_X] - side[EDGE_START_X], ey = side[EDGE_END_Y] - side[EDGE_START_Y];
+    double cross = side[EDGE_START_X] * ey - side[EDGE_START_Y] * ex;
+    int rule = ALONG_SIDE[c->digits];
+    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
+        double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), share = BOUNDARY_WEIGHTS[j] * cross;
+        add_far_cone(c, side[EDGE_START_X] + s * ex, side[EDGE_START_Y] + s * ey, share);
+    }
+}
+
+static void move_pressed_side(Cones *c, const double *side) {
+    double found[WRENCH], *results[] = {found};
+    const double *given[] = {c->f->twist, c->f->matrix, side, c->quadratic, c->f->toward};
+    pressed_side_toward(given, results, 0, 0, 0);
+    add(c->moved, found, 1.0, WRENCH);
 }
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */
@@ -247,18 +286,24 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
                             [VY] = twist[VY] + twist[OMEGA] * middle[X], [OMEGA] = twist[OMEGA]};
     Friction f;
     begin_sums(&f, about, m, toward);
-    Cones c = cones_of(&f, quadratic, is_far, at->digits);
-    for (int i = 0; i < at->side_count; ++i) add_side(&c, at->sides[i]);
-    for (int i = 0; i < at->arc_count; ++i) {
-        Singular singular = singular_of(&c, at->arcs + i);
-        add_panel(&c, at->arcs + i, &singular, -1.0, 1.0);
-    }
+    Cones c;
+    begin_cones(&c, &f, quadratic, is_far, at->digits);
+    if (!is_far && !toward) add_pressed_sides(&c, at);
+    else
+        for (int i = 0; i < at->side_count; ++i) {
+            if (is_far) add_far_side(&c, at->sides[i]);
+            else move_pressed_side(&c, at->sides[i]);
+        }
+    for (int i = 0; i < at->arc_count; ++i) add_arc_of(&c, at->arcs + i);
     if (is_far && toward) memcpy(f.friction, c.moved, sizeof c.moved);
     else if (is_far) add_sums(&f, &c.frame, &c.places, 1.0);
+    else if (toward) add(f.sums, c.moved, 1.0, WRENCH);
     else {
         double sums[SUM_SIZE];
-        sums_by_velocity(m, c.sums, sums);
-        add(f.sums, toward ? c.moved : sums, 1.0, toward ? WRENCH : SUM_SIZE);
+        for (int k = 0; k < SUM_SIZE; ++k) sums[k] = total(c.sums + k);
+        sums_by_velocity(m, sums, f.sums);
+    }
+    if (!is_far) {
         f.is_summed = 1;
         end_sums(&f);
     }

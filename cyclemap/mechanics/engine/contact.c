@@ -13,6 +13,7 @@ typedef struct Record Record;
 typedef struct {
     const Object *object;
     double direction, friction, longest;
+    int is_ambiguous;    /* whether another motion, too, would have gone on from a concave corner */
     int is_wedged;       /* whether the rod has been in a concave corner */
     int64_t pinned;      /* the support point that the object last turned about */
     int64_t steps;

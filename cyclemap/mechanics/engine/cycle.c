@@ -39,7 +39,9 @@ static void rod_centre(const Stroke *r, const Motion *m, const double *state, do
     const double radius = place_of(m) == AT_OUTLINE ? m->p[RADIUS] : 0.0;
     const double own[] = {f[FRAME_X] + radius * normal[X], f[FRAME_Y] + radius * normal[Y]};
     turned(state[THETA], own, centre);
-    turned(state[THETA], normal, by_radius);
+    double rising[] = {normal[X], normal[Y]};
+    if (place_of(m) == AT_WEDGE) wedge_by_radius(r, m->piece, rising);
+    turned(state[THETA], rising, by_radius);
     by_theta[X] = -centre[Y];
     by_theta[Y] = centre[X];
     by_coordinate[X] = -f[FRAME_METRIC] * by_radius[Y];
@@ -56,8 +58,8 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
     return a * b / (a * a * s * s + b * b * c * c);
 }
 
-/* The push: moves the object; LEFT, DISTANCE, or why not. */
-static int push_object(const Loop *loop, Body *body, double *travel, const volatile int64_t *stop,
+/* The push: moves the object, writes its part of the result; LEFT, DISTANCE, or why not. */
+static int push_object(const Loop *loop, Body *body, double *result, const volatile int64_t *stop,
                        Record *record) {
     Pressed pressed;
     begin_pressed(&pressed, loop->object.tolerance);
@@ -99,8 +101,10 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
     }
     Step last = {0};
     int64_t first = m.piece;
-    int ended = run_push(&r, &m, state, loop->length, travel, &last);
+    int ended = run_push(&r, &m, state, loop->length, result + RESULT_TRAVEL, &last);
     if (ended < 0) return ended;
+    double travel = result[RESULT_TRAVEL];
+    result[RESULT_IS_AMBIGUOUS] = r.is_ambiguous;
     double toward[] = {cos(r.direction), sin(r.direction)};
     rod_centre(&r, &m, state, after, by_theta, by_coordinate, by_radius);
     const double *slope = last.rows[STAGES] + SLOPE;
@@ -125,17 +129,16 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
         /* added to where it starts as one number: wherever that is, the push is the same to the
            bit */
         for (int c = 0; c < 2; ++c)
-            by[c] += by_before[k][c] + toward[c] * by_travel + *travel * sideways[c] * by_direction
+            by[c] += by_before[k][c] + toward[c] * by_travel + travel * sideways[c] * by_direction
                      - (by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
                         + by_radius[c] * wider);
         by[POSE_THETA] = now[THETA];
-        /* a point skips the arc that every thicker rod goes around; where wedges lie by the radius
-           is not followed */
-        int skips = loop->object.radius == 0.0 && (m.piece != first || at_corner);
-        if (wider != 0.0 && (r.is_wedged || skips))
+        /* a point skips the arc that every thicker rod goes around, and is no shaft in a wedge */
+        int is_point = loop->object.radius == 0.0;
+        if (wider != 0.0 && is_point && (r.is_wedged || m.piece != first || at_corner))
             by[POSE_X] = by[POSE_Y] = by[POSE_THETA] = NAN;
     }
-    for (int c = 0; c < 2; ++c) body->place[c] += before[c] + *travel * toward[c] - after[c];
+    for (int c = 0; c < 2; ++c) body->place[c] += before[c] + travel * toward[c] - after[c];
     body->theta = state[THETA];
     return ended;
 }
@@ -188,8 +191,8 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
                 v.source[SOURCE_DIRECTION][k] =
                     (toward[Y] * by_ring[k][X] - toward[X] * by_ring[k][Y]) / goes;
                 v.source[SOURCE_SMU][k] = one(loop, k, BY_PIN_FRICTION_RADIUS, 0);
-                v.source[SOURCE_GEOMETRY_X][k] = one(loop, k, BY_HITCH_X, 0);
-                v.source[SOURCE_GEOMETRY_Y][k] = one(loop, k, BY_HITCH_Y, 0);
+                v.source[SOURCE_GEOMETRY_0 + RING_X][k] = one(loop, k, BY_HITCH_X, 0);
+                v.source[SOURCE_GEOMETRY_0 + RING_Y][k] = one(loop, k, BY_HITCH_Y, 0);
             }
         }
         Motion m = motion_of(&r, RING, (int)o->piece_count, 0.0, 0.0);
@@ -236,7 +239,7 @@ static int run_task(const Loop *loop, const double *task, const double *varied, 
     for (int k = 0; varied && k < count; ++k)
         for (int i = 0; i < POSE; ++i) body.by[POSE * k + i] = varied[i * count + k];
     int left = DISTANCE, done = 1;
-    if (loop->length > 0.0) left = push_object(loop, &body, result + RESULT_TRAVEL, stop, record);
+    if (loop->length > 0.0) left = push_object(loop, &body, result, stop, record);
     if (left < 0 || !isfinite(body.theta)) return left < 0 ? left : UNSOLVED;
     result[RESULT_HAS_LEFT] = left;
     write_body(&body, result + RESULT_PUSHED, by ? by + OUTPUT_PUSHED * count : 0, count);

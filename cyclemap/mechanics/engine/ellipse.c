@@ -117,7 +117,7 @@ static ALWAYS_INLINE void add_chords(Friction *f, const Ellipse *e, int far, int
         wy = e->frame.omega * ty;
     }
     Lanes speed = wx * wx + wy * wy;
-    roots(&speed);
+    speed = rooted(speed);
     Lanes slowness = 1.0 / speed, ux = wx * slowness, uy = wy * slowness, steep = ux * tx + uy * ty;
     Lanes by_speed;
     if (far) {
@@ -163,7 +163,7 @@ static ALWAYS_INLINE void add_pairs(Friction *f, const Ellipse *e, int far, int 
                                     const Lanes *c, const Lanes *s, const Lanes *width, double load,
                                     Sums *sums) {
     Lanes root = 1.0 - (e->size * *s) * (e->size * *s), opposite = -*s;
-    roots(&root);
+    root = rooted(root);
     add_chords(f, e, far, leans, c, s, &root, width, load, sums);
     add_chords(f, e, far, leans, c, &opposite, &root, width, load, sums);
 }
@@ -210,7 +210,7 @@ static ALWAYS_INLINE void add_rule(Friction *f, const Ellipse *e, int far, int l
         if (beta != 1.0) {
             Lanes norm = c * c + beta * beta * s * s;
             wide = width * beta / norm;
-            roots(&norm);
+            norm = rooted(norm);
             c /= norm;
             s *= beta / norm;
         }

@@ -42,6 +42,26 @@ static double fast_log1p(double x) {
 }
 #define log1p fast_log1p
 
+/* Places are summed some at once: each has the same roots and quotients to take. */
+enum { LANES = 2 };
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+typedef double Lanes __attribute__((vector_size(8 * LANES)));
+
+static ALWAYS_INLINE Lanes sizes(Lanes x) {
+    for (int k = 0; k < LANES; ++k) x[k] = fabs(x[k]);
+    return x;
+}
+
+static ALWAYS_INLINE Lanes rooted(Lanes x) {
+    for (int k = 0; k < LANES; ++k) x[k] = sqrt(x[k]);
+    return x;
+}
+
+static ALWAYS_INLINE Lanes logarithms(Lanes x) {
+    for (int k = 0; k < LANES; ++k) x[k] = log1p(x[k]);
+    return x;
+}
+
 /* Places in the plane; other names are those of schema.py. */
 enum { X, Y };
 

@@ -95,18 +95,38 @@ def kernels() -> dict[str, ca.Function]:
     moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
     found["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
     found["corner"] = function_of("corner", [twist, matrix, place], [_image(twist, matrix, place)])
-    pressure, cone = ca.SX.sym("pressure", 6), ca.SX.sym("cone", 3)
-    sums = ca.vertcat(*_pressed_side(_Side(own), twist, matrix, ends, pressure))
-    found["pressed_side"] = function_of("pressed_side", [twist, matrix, ends, pressure], [sums])
-    moved = ca.jtimes(sums[:3], matrix, toward)
-    found["pressed_side_toward"] = function_of(
-        "pressed_side_toward", [twist, matrix, ends, pressure, toward], [moved]
-    )
-    moved = ca.jtimes(ca.vertcat(*_pressed_cone(twist, matrix, cone, pressure)), matrix, toward)
-    found["pressed_cone_toward"] = function_of(
-        "pressed_cone_toward", [twist, matrix, cone, pressure, toward], [moved]
-    )
+    found |= _of_foundation(twist, matrix, ends, toward)
     return found
+
+
+def _of_foundation(
+    twist: ca.SX, matrix: ca.SX, ends: ca.SX, toward: ca.SX
+) -> dict[str, ca.Function]:
+    """Functions of a foundation that is pressed; those of one side are in `side_kernels`."""
+    pressure, cone = ca.SX.sym("pressure", QUADRATIC.size), ca.SX.sym("cone", 3)
+    image = _about_rotation(twist, matrix, pressure)
+    own = ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
+    speed, fx, fy, *_ = _pressed_side(_Side(own), image)
+    along = ca.vertcat(speed, *_transposed(matrix, fx, fy))
+    thin = ca.vertcat(*_pressed_cone(twist, matrix, cone, image))
+    found = {"pressed_image": function_of("pressed_image", [twist, matrix, pressure], [image])}
+    for name, place, sums in (("pressed_side", ends, along), ("pressed_cone", cone, thin)):
+        moved = ca.jtimes(sums, matrix, toward)
+        given = [twist, matrix, place, pressure, toward]
+        found[f"{name}_toward"] = function_of(f"{name}_toward", given, [moved])
+    return found
+
+
+def side_kernels() -> dict[str, ca.Function]:
+    """Return functions that are compiled for some sides at once, of one row of numbers each.
+
+    pressed_side: the images of both ends and the quadratic of w, to the sums in the velocity plane.
+    """
+    given = ca.SX.sym("given", 4 + QUADRATIC.size)
+    sizes = [ca.sqrt(ca.sumsqr(given[k : k + 2])) for k in (0, 2)]
+    side = _Side(ca.vertcat(given[:2], sizes[0], given[2:4], sizes[1]))
+    sums = ca.vertcat(*_pressed_side(side, given[4:]))
+    return {"pressed_side": function_of("pressed_side", [given], [sums])}
 
 
 def function_of(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -256,46 +276,51 @@ def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     return _homogeneous(matrix, side.length / side.size, fx, fy, curve)
 
 
-def _about_rotation(twist: ca.SX, pressure: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Return the centre of rotation, and a QUADRATIC there with its gradient."""
-    v, p = TWIST.of(twist), QUADRATIC.of(pressure)
+def _about_rotation(twist: ca.SX, matrix: ca.SX, pressure: ca.SX) -> ca.SX:
+    """Return a quadratic of places as one of w, over how areas grow: (QUADRATIC.size, 1).
+
+    r = r_c + B^-1 w with B = omega M J, r_c the centre of rotation.
+    """
+    v, m, p = TWIST.of(twist), MATRIX.of(matrix), QUADRATIC.of(pressure)
     x, y = -v.vy / v.omega, v.vx / v.omega
     gx = p.slope_x + 2 * (p.xx * x + p.xy * y)
     gy = p.slope_y + 2 * (p.xy * x + p.yy * y)
     level = p.level + x * (p.slope_x + p.xx * x + 2 * p.xy * y) + y * (p.slope_y + p.yy * y)
-    return x, y, level, ca.vertcat(gx, gy)
+    spread = v.omega * _det(matrix)
+    (ax, ay), (bx, by) = (-m.yx / spread, -m.yy / spread), (m.xx / spread, m.xy / spread)
+    # B^-1 = ((ax, bx), (ay, by))
+    mixed = p.xx * ax * bx + p.xy * (ax * by + ay * bx) + p.yy * ay * by
+    image = (
+        *(level, ax * gx + ay * gy, bx * gx + by * gy),
+        p.xx * ax * ax + 2 * p.xy * ax * ay + p.yy * ay * ay,
+        mixed,
+        p.xx * bx * bx + 2 * p.xy * bx * by + p.yy * by * by,
+    )
+    return ca.vertcat(*image) / (v.omega * spread)
 
 
-def _pressed_side(
-    side: _Side, twist: ca.SX, matrix: ca.SX, ends: ca.SX, pressure: ca.SX
-) -> list[ca.SX]:
-    """What one side of the contact adds under a pressure c + l.r + r.Q r that it bounds.
+def _pressed_side(side: _Side, quadratic: ca.SX) -> list[ca.SX]:
+    """What one side of the contact adds under a quadratic of w, in the velocity plane.
 
-    The contact is cut into cones from the centre of rotation, where w = 0: with rho = r - r_c and
-    F(w) homogeneous of degree k, int P F = rim (rho x drho) F int_0^1 P(r_c + s rho) s^(k+1) ds;
-    along a side all that is in closed form.
+    The contact is cut into cones from the centre of rotation, where w = 0: F homogeneous of degree
+    k, int P F = rim (w x dw) F int_0^1 P(s w) s^(k+1) ds; along a side all that is in closed form.
     """
-    x, y, level, gradient = _about_rotation(twist, pressure)
-    (gx, gy), quadratic = ca.vertsplit(gradient), QUADRATIC.of(pressure)
-    xx, xy, yy = quadratic.xx, quadratic.xy, quadratic.yy
-    start_x, start_y, end_x, end_y = ca.vertsplit(ends)
-    ax, ay = start_x - x, start_y - y
-    ex, ey = (end_x - start_x) / side.size, (end_y - start_y) / side.size
-    foot_x, foot_y = ax - side.start * ex, ay - side.start * ey
-    cross = ax * ey - ay * ex
-    # P's terms of degree 1 and 2 in rho = foot + t e.
-    first = (gx * foot_x + gy * foot_y, gx * ex + gy * ey)
+    q, tx, ty, nx, ny = QUADRATIC.of(quadratic), side.tx, side.ty, side.nx, side.ny
+    d, square = side.d, side.d * side.d
+    # P's terms of degree 1 and 2 in w = d n + t tau, by powers of t.
+    first = (d * (q.slope_x * nx + q.slope_y * ny), q.slope_x * tx + q.slope_y * ty)
+    bent_x, bent_y = q.xx * tx + q.xy * ty, q.xy * tx + q.yy * ty
     second = (
-        xx * foot_x * foot_x + 2 * xy * foot_x * foot_y + yy * foot_y * foot_y,
-        2 * (xx * foot_x * ex + xy * (foot_x * ey + foot_y * ex) + yy * foot_y * ey),
-        xx * ex * ex + 2 * xy * ex * ey + yy * ey * ey,
+        square * (q.xx * nx * nx + 2 * q.xy * nx * ny + q.yy * ny * ny),
+        2 * d * (bent_x * nx + bent_y * ny),
+        bent_x * tx + bent_y * ty,
     )
 
     def coned(degree: int) -> tuple[ca.SX, ca.SX, ca.SX]:
         a, b, c = 1.0 / (degree + 2), 1.0 / (degree + 3), 1.0 / (degree + 4)
-        return level * a + first[0] * b + second[0] * c, first[1] * b + second[1] * c, second[2] * c
+        even = q.level * a + first[0] * b + second[0] * c
+        return even, first[1] * b + second[1] * c, second[2] * c
 
-    d, square = side.d, side.d * side.d
     s0, s1, t0, t1 = side.s0, side.s1, side.start, side.end
     cube = side.rise * (s0 * s0 + s0 * s1 + s1 * s1) / 3
     # Integrals of t^k s, t^k / s and t^k / s^3 along the side.
@@ -303,46 +328,35 @@ def _pressed_side(
     over = (side.angle, side.rise, side.moment, cube - square * side.rise)
     sine = t1 / (s1 + TINY) - t0 / (s0 + TINY)
     slope = side.rise / (s0 * s1 + TINY)
-    thrice = (
-        slope,
-        side.angle - sine,
-        side.rise - square * slope,
-        side.moment - square * (side.angle - sine),
-    )
+    rest = side.angle - sine
+    thrice = (slope, rest, side.rise - square * slope, side.moment - square * rest)
     a, b, c = coned(1)
     speed = a * side.length + b * cube + c * fourth
     a, b, c = coned(0)
     even = a * over[0] + b * over[1] + c * over[2]
     odd = a * over[1] + b * over[2] + c * over[3]
-    fx, fy = d * even * side.nx + odd * side.tx, d * even * side.ny + odd * side.ty
+    fx, fy = d * even * nx + odd * tx, d * even * ny + odd * ty
     a, b, c = coned(-1)
     across = a * thrice[1] + b * thrice[2] + c * thrice[3]
     mixed = -d * (a * thrice[0] + b * thrice[1] + c * thrice[2])
     # d^2 of the integral of 1 / s^3 is sine.
     along = a * sine + square * (b * thrice[0] + c * thrice[1])
-    sums = _homogeneous(matrix, speed, fx, fy, side.across(along, mixed, across))
-    return [cross * value for value in sums]
+    return [d * value for value in (speed, fx, fy, *side.across(along, mixed, across))]
 
 
-def _pressed_cone(twist: ca.SX, matrix: ca.SX, cone: ca.SX, pressure: ca.SX) -> list[ca.SX]:
-    """D and force of one thin cone from the centre of rotation to a place on the rim.
-
-    `cone` : the place, and rho x drho there.
+def _pressed_cone(twist: ca.SX, matrix: ca.SX, cone: ca.SX, quadratic: ca.SX) -> list[ca.SX]:
+    """D and force of one thin cone from the centre of rotation to a place on the rim; `cone`: it,
+    and rho x drho.
     """
-    x, y, level, gradient = _about_rotation(twist, pressure)
-    (gx, gy), p, (end_x, end_y, cross) = (
-        ca.vertsplit(gradient),
-        QUADRATIC.of(pressure),
-        ca.vertsplit(cone),
-    )
-    rx, ry = end_x - x, end_y - y
-    first = gx * rx + gy * ry
-    second = p.xx * rx * rx + 2 * p.xy * rx * ry + p.yy * ry * ry
-    wx, wy = _velocity(twist, matrix, end_x, end_y)
-    size = ca.sqrt(wx * wx + wy * wy + TINIEST**2)
-    force = cross * (level / 2 + first / 3 + second / 4) / size
-    speed = cross * (level / 3 + first / 4 + second / 5) * size
-    return [speed, *_transposed(matrix, force * wx, force * wy)]
+    q = QUADRATIC.of(quadratic)
+    x, y = _velocity(twist, matrix, cone[0], cone[1])
+    cross = cone[2] * TWIST.of(twist).omega ** 2 * _det(matrix)
+    first = q.slope_x * x + q.slope_y * y
+    second = q.xx * x * x + 2 * q.xy * x * y + q.yy * y * y
+    size = ca.sqrt(x * x + y * y + TINIEST**2)
+    force = cross * (q.level / 2 + first / 3 + second / 4) / size
+    speed = cross * (q.level / 3 + first / 4 + second / 5) * size
+    return [speed, *_transposed(matrix, force * x, force * y)]
 
 
 def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
@@ -470,16 +484,37 @@ def _residual(law: str, frame: ca.SX, p: ca.SX, g: ca.SX) -> tuple[ca.SX, ca.SX,
     if law == "turn":
         return torque + smu * ca.sqrt(gx**2 + gy**2), normal, tangential
     if law == "wedge":
-        sense, c2, s2 = KINDS[law].of(given.geometry).sense, at.second_cosine, at.second_sine
-        other = smu * sense
-        ax, ay, bx, by = -c - smu * s, -s + smu * c, -c2 - other * s2, -s2 + other * c2
-        det = ax * by - ay * bx
+        sense = KINDS[law].of(given.geometry).sense
+        (ax, ay), (bx, by), det = _edges(frame, p)
         first, second = (gx * by - gy * bx) / det, (ax * gy - ay * gx) / det
-        # Both cones of a point together may hold every force.
-        any_force = ca.logic_and(sense < 0, det >= 0)
-        first, second = (ca.if_else(any_force, 1, force) for force in (first, second))
-        return torque + given.radius * (smu * first + other * second), first, second
+        return torque + given.radius * smu * (first + sense * second), first, second
     return torque, normal, tangential
+
+
+def _edges(frame: ca.SX, p: ca.SX) -> tuple[tuple[ca.SX, ca.SX], tuple[ca.SX, ca.SX], ca.SX]:
+    """The edges of both cones between which the force in a wedge lies, and their determinant."""
+    at, given = FRAME.of(frame), MOTION.of(p)
+    c, s, c2, s2, smu = at.cosine, at.sine, at.second_cosine, at.second_sine, given.smu
+    other = smu * KINDS["wedge"].of(given.geometry).sense
+    ax, ay, bx, by = -c - smu * s, -s + smu * c, -c2 - other * s2, -s2 + other * c2
+    return (ax, ay), (bx, by), ax * by - ay * bx
+
+
+def _wedge_margins(frame: ca.SX, p: ca.SX, first: ca.SX, second: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Margins of both contacts: their compressions; but a point's edges may be over half a turn
+    apart.
+
+    Then the force is between them unless it is in what is left of the turn, where both are
+    positive; it comes there by the edge of that contact which stays.
+    """
+    _, _, det = _edges(frame, p)
+    sense = KINDS["wedge"].of(MOTION.of(p).geometry).sense
+    is_wide = ca.logic_and(sense < 0, det > 0)
+    loses_first = first < second
+    return (
+        ca.if_else(is_wide, ca.if_else(loses_first, -first, 1), first),
+        ca.if_else(is_wide, ca.if_else(loses_first, 1, -second), second),
+    )
 
 
 def _rate(law: str, frame: ca.SX, p: ca.SX, z: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -522,10 +557,10 @@ def _finish(law: str) -> ca.Function:
         "stick": (smu * first - second, smu * first + second),
         "slide": (ca.sign(smu) * slip, 1),
         "turn": (1, 1),
-        "wedge": (first, second),
-    }[law]
+    }
+    of_law = _wedge_margins(frame, p, first, second) if law == "wedge" else margins[law]
     ends = (1, 1, 1) if law in ("turn", "wedge") else (at.approach, at.after_low, at.before_high)
-    row = ca.vertcat(theta_rate, rate, *ends, *margins, corrected, *(0,) * (UNKNOWN.size - count))
+    row = ca.vertcat(theta_rate, rate, *ends, *of_law, corrected, *(0,) * (UNKNOWN.size - count))
     report = ca.vertcat(ca.mmax(ca.fabs(step)), _size(residual), first, second)
     return function_of(f"finish_{law}", [frame, p, z, given], [row, report])
 

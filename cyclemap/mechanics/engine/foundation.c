@@ -10,8 +10,8 @@ enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_PLACES = 64 };
 enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
 /* Load and moments: of 1, x and y. */
 enum { BALANCE_SIZE = 3 };
-/* Arcs are halved until this is the size of Bernstein's ellipse in which they are analytic. */
-static const double LEAST_REACH = 3.3;
+/* Arcs are halved until their axis is this at least. */
+static const double LEAST_AXIS = 1.8;
 enum { MOST_HALVINGS = 6 };
 /* Arcs that turn by less than this are sides. */
 static const double STRAIGHT_TURN = 1e-13;
@@ -23,20 +23,41 @@ static const double STRAIGHT = 1e-9;
 /* Loads, of one, that may lack: aimed at, and at the most. */
 static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
 enum { MOST_CORRECTIONS = 200 };
+/* The table serves as it is where it is off by less than this share of a motion's tolerance. */
+static const double LEAN_SHARE = 0.01;
+/* Motions up to these tolerances are fine ones, usual ones. */
+static const double FINE = 2e-11, USUAL = 1e-7;
 
 /* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
-   meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1. */
-typedef struct { double a[2], b[2], c[2], weight; } Arc;
+   meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
+   axis: the larger half axis of Bernstein's ellipse, about -1 to 1, in which it is analytic in
+   2 s - 1. */
+typedef struct { double a[2], b[2], c[2], weight, axis; } Arc;
+
+/* Places on the boundary, and the areas, twice, that cones to them sweep. */
+typedef struct { Lanes x, y, cross; } Boundary;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
    the contact on the left. */
 typedef struct Pressed {
     double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
     double moments[MONOMIALS];
-    int is_known, has_slopes, digits, side_count, arc_count;
+    double tolerance;
+    int is_known, has_moments, has_slopes, digits, side_count, arc_count;
     double sides[MOST_SIDES][EDGE_SIZE];
     Arc arcs[MOST_ARCS];
 } Pressed;
+
+/* Which of BOUNDARY_REACH serves a tolerance. */
+static int digits_for(double tolerance) {
+    return tolerance > USUAL ? 0 : tolerance > FINE ? 1 : 2;
+}
+
+static void begin_pressed(Pressed *at, double tolerance) {
+    at->is_known = 0;
+    at->tolerance = tolerance;
+    at->digits = digits_for(tolerance);
+}
 
 static inline double pressure_at(const double *p, double x, double y) {
     return p[Q_LEVEL] + x * (p[Q_SLOPE_X] + p[Q_XX] * x + 2.0 * p[Q_XY] * y) + y * (p[Q_SLOPE_Y] + p[Q_YY] * y);
@@ -68,6 +89,7 @@ static int is_ellipse(const Pressure *pressure) { return pressure->side_count ==
 
 static int is_inside(const Pressure *pressure, double x, double y) {
     const double *at = pressure->outline;
+    if (x * x + y * y > pressure->reach) return 0;
     if (is_ellipse(pressure)) return x * x / (at[0] * at[0]) + y * y / (at[1] * at[1]) < 1.0;
     int inside = 0;
     for (int64_t i = 0, j = pressure->side_count - 1; i < pressure->side_count; j = i++) {
@@ -90,13 +112,16 @@ static void note(Places *places, double x, double y) {
 }
 
 /* Stretches of one side on which P > 0, and the places where it changes its sign. */
-static void cut_side(Pressed *at, const double *a, const double *b, Places *crossings) {
+static void cut_side(Pressed *at, const double *a, const double *b, double first, double last,
+                     Places *crossings) {
     const double *p = at->pressure;
-    double ex = b[0] - a[0], ey = b[1] - a[1], first = pressure_at(p, a[0], a[1]), last = pressure_at(p, b[0], b[1]);
+    double ex = b[0] - a[0], ey = b[1] - a[1];
     double square = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
     double linear = last - first - square, root[2] = {-1.0, -1.0}, stops[4] = {0.0};
     double inside = linear * linear - 4.0 * square * first;
-    if (inside > 0.0) {
+    /* P changes its sign, or its extreme lies in between */
+    int may_cross = (first > 0.0) != (last > 0.0) || linear * (linear + 2.0 * square) < 0.0;
+    if (may_cross && inside > 0.0) {
         double down = -0.5 * (linear + copysign(sqrt(inside), linear));
         if (down != 0.0) root[0] = first / down;
         if (square != 0.0) root[1] = down / square;
@@ -104,7 +129,7 @@ static void cut_side(Pressed *at, const double *a, const double *b, Places *cros
     int count = 1;
     for (int k = 0; k < 2; ++k) {
         double t = root[(root[0] <= root[1]) ? k : 1 - k];
-        if (!(t > 0.0 && t < 1.0)) continue;
+        if (!(t >= 0.0 && t < 1.0)) continue;
         note(crossings, a[0] + t * ex, a[1] + t * ey);
         stops[count++] = t;
     }
@@ -158,8 +183,13 @@ static double zero_between(double (*of)(const Around *, double, double), const A
     return 0.5 * (low + high);
 }
 
+static double axis_of(double weight);
+
 static void put_arc(Pressed *at, const Arc *arc) {
-    if (at->arc_count < MOST_ARCS) at->arcs[at->arc_count] = *arc;
+    if (at->arc_count < MOST_ARCS) {
+        at->arcs[at->arc_count] = *arc;
+        at->arcs[at->arc_count].axis = axis_of(arc->weight);
+    }
     ++at->arc_count;
 }
 
@@ -210,27 +240,38 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     }
 }
 
-/* Places (x, y) on an arc, and their derivatives by s. */
-static ALWAYS_INLINE void arc_at(const Arc *arc, const Lanes *s, Lanes *x, Lanes *y, Lanes *by_x, Lanes *by_y) {
-    Lanes t = 1.0 - *s, first = t * t, middle = 2.0 * arc->weight * *s * t, last = *s * *s;
-    Lanes down = 1.0 / (first + middle + last), by_middle = 2.0 * arc->weight * (t - *s), by_down = by_middle + 2.0 * (*s - t);
-    *x = (first * arc->a[0] + middle * arc->c[0] + last * arc->b[0]) * down;
-    *y = (first * arc->a[1] + middle * arc->c[1] + last * arc->b[1]) * down;
-    *by_x = (2.0 * (*s * arc->b[0] - t * arc->a[0]) + by_middle * arc->c[0] - by_down * *x) * down;
-    *by_y = (2.0 * (*s * arc->b[1] - t * arc->a[1]) + by_middle * arc->c[1] - by_down * *y) * down;
+static ALWAYS_INLINE Lanes all(double x) { return (Lanes){0.0} + x; }
+
+/* An arc as it is summed: its ends and middle, and by its cross products how it sweeps areas. */
+typedef struct { Lanes weight, x[3], y[3], areas[3]; } Sweep;
+
+static Sweep sweep_of(const Arc *arc) {
+    const double *a = arc->a, *b = arc->b, *c = arc->c;
+    double first = a[X] * (c[Y] - a[Y]) - a[Y] * (c[X] - a[X]);
+    double whole = a[X] * (b[Y] - a[Y]) - a[Y] * (b[X] - a[X]);
+    double last = c[X] * (b[Y] - c[Y]) - c[Y] * (b[X] - c[X]);
+    return (Sweep){
+        all(arc->weight),
+        {all(a[X]), all(c[X]), all(b[X])},
+        {all(a[Y]), all(c[Y]), all(b[Y])},
+        {all(2.0 * arc->weight * first), all(whole), all(2.0 * arc->weight * last)},
+    };
 }
 
-/* The size of Bernstein's ellipse about -1 to 1 through x + i y. */
-static double reach_of(double x, double y) {
-    double q = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
-    return q + sqrt(fmax(q * q - 1.0, 0.0));
+/* Places on an arc, and cross products with how they go on, times `share`. */
+static ALWAYS_INLINE void arc_at(const Sweep *arc, Lanes s, Lanes share, Boundary *at) {
+    Lanes t = 1.0 - s, first = t * t, both = s * t, last = s * s;
+    both += both;
+    Lanes middle = arc->weight * both, down = 1.0 / (first + middle + last);
+    at->x = (first * arc->x[0] + middle * arc->x[1] + last * arc->x[2]) * down;
+    at->y = (first * arc->y[0] + middle * arc->y[1] + last * arc->y[2]) * down;
+    Lanes cross = first * arc->areas[0] + both * arc->areas[1] + last * arc->areas[2];
+    at->cross = share * cross * (down * down);
 }
 
-/* Where an arc has its poles, in 2 s - 1: on the imaginary axis, of a hyperbola on the real one; and their reach. */
-static double pole_of(double weight) { return sqrt((1.0 + weight) / fmax(fabs(1.0 - weight), 1e-300)); }
-
-static double arc_reach(double weight) {
-    return weight < 1.0 ? reach_of(0.0, pole_of(weight)) : reach_of(pole_of(weight), 0.0);
+/* Its poles, in 2 s - 1, are on the imaginary axis, of a hyperbola on the real one. */
+static double axis_of(double weight) {
+    return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
 }
 
 /* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle, is that of the arc. */
@@ -256,7 +297,7 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
     double weight = whole.weight;
-    for (; halvings < 6 && arc_reach(weight) < LEAST_REACH; ++halvings) weight = sqrt(0.5 * (1.0 + weight));
+    for (; halvings < MOST_HALVINGS && axis_of(weight) < LEAST_AXIS; ++halvings) weight = sqrt(0.5 * (1.0 + weight));
     for (int i = 0; i < 1 << halvings; ++i) {
         Arc arc = whole;
         for (int level = halvings - 1; level >= 0; --level) {
@@ -329,8 +370,11 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
         if (down != 0.0) turns[turn_count++] = level / down;
         if (square != 0.0) turns[turn_count++] = down / square;
     }
+    /* what does not cross the outline is closed, an ellipse */
+    if (!crossings->count && !(turn_count && k.a * k.d > 0.0)) return;
     for (int side = -1; side <= 1; side += 2) {
-        Places branch = {0};
+        Places branch;
+        branch.count = 0;
         for (int i = 0; i < crossings->count; ++i) {
             const double *place = crossings->of[i].at;
             double u = k.cosine * place[0] + k.sine * place[1], v = k.cosine * place[1] - k.sine * place[0];
@@ -360,24 +404,32 @@ static void cut_inside(const Pressure *pressure, Pressed *at, const Places *cros
 
 /* The boundary of the contact under the pressure at hand; whether there was room for it. */
 static int cut(const Pressure *pressure, Pressed *at) {
-    Places crossings = {0};
+    Places crossings;
+    crossings.count = 0;
     const double *outline = pressure->outline;
     at->side_count = at->arc_count = 0;
     if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
-    for (int64_t i = 0; i < pressure->side_count; ++i)
-        cut_side(at, outline + 2 * i, outline + 2 * (i + 1 < pressure->side_count ? i + 1 : 0), &crossings);
+    double first = pressure_at(at->pressure, outline[X], outline[Y]);
+    for (int64_t i = 0; i < pressure->side_count; ++i) {
+        const double *a = outline + 2 * i;
+        const double *b = i + 1 < pressure->side_count ? a + 2 : outline;
+        double last = pressure_at(at->pressure, b[X], b[Y]);
+        cut_side(at, a, b, first, last, &crossings);
+        first = last;
+    }
     if (crossings.count > MOST_PLACES - 4) return 0;
     cut_inside(pressure, at, &crossings);
     return at->side_count <= MOST_SIDES && at->arc_count <= MOST_ARCS;
 }
 
 /* Integrals of monomials over cones from the centroid: cross x^i y^j / (i + j + 2). */
-static ALWAYS_INLINE void add_monomials(Lanes *m, const Lanes *x, const Lanes *y, const Lanes *cross) {
-    Lanes second = *cross * (1.0 / 2.0), third = *cross * (1.0 / 3.0), fourth = *cross * (1.0 / 4.0), fifth = *cross * (1.0 / 5.0);
-    Lanes xx = *x * *x, xy = *x * *y, yy = *y * *y, fx = fifth * *x, fy = fifth * *y;
+static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
+    Lanes x = at->x, y = at->y, second = at->cross * (1.0 / 2.0), third = at->cross * (1.0 / 3.0);
+    Lanes fourth = at->cross * (1.0 / 4.0), fifth = at->cross * (1.0 / 5.0);
+    Lanes xx = x * x, xy = x * y, yy = y * y, fx = fifth * x, fy = fifth * y;
     m[OF_1] += second;
-    m[OF_X] += third * *x;
-    m[OF_Y] += third * *y;
+    m[OF_X] += third * x;
+    m[OF_Y] += third * y;
     m[OF_XX] += fourth * xx;
     m[OF_XY] += fourth * xy;
     m[OF_YY] += fourth * yy;
@@ -387,24 +439,24 @@ static ALWAYS_INLINE void add_monomials(Lanes *m, const Lanes *x, const Lanes *y
     m[OF_YYY] += fy * yy;
 }
 
-/* The first of Gauss's rules that serves an ellipse of this size. */
-static int boundary_rule(double reach, int digits) {
+/* The first of Gauss's rules that serves an ellipse with this half axis. */
+static int boundary_rule(double axis, int digits) {
     int rule = 0;
-    while (rule < BOUNDARY_RULE_COUNT && reach < BOUNDARY_REACH[digits][rule]) ++rule;
+    while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
     return rule;
 }
 
 static void arc_moments(const Arc *arc, Lanes *m) {
-    int rule = boundary_rule(arc_reach(arc->weight), DIGIT_CLASSES - 1);
+    int rule = boundary_rule(arc->axis, DIGIT_CLASSES - 1);
     if (rule == BOUNDARY_RULE_COUNT) --rule;
+    Sweep sweep = sweep_of(arc);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Lanes node, weight, x, y, by_x, by_y;
+        Lanes node, weight;
+        Boundary at;
         memcpy(&node, BOUNDARY_NODES + j, sizeof node);
         memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-        Lanes s = 0.5 * (1.0 + node);
-        arc_at(arc, &s, &x, &y, &by_x, &by_y);
-        Lanes cross = weight * (x * by_y - y * by_x);
-        add_monomials(m, &x, &y, &cross);
+        arc_at(&sweep, 0.5 * (1.0 + node), weight, &at);
+        add_monomials(m, &at);
     }
 }
 
@@ -418,12 +470,14 @@ static void take_moments(Pressed *at) {
         const double *side = at->sides[i];
         double ex = side[2] - side[0], ey = side[3] - side[1], cross = side[0] * ey - side[1] * ex;
         for (int j = 0; j < 2; ++j) {
-            Lanes x = side[0] + places[j] * ex, y = side[1] + places[j] * ey, share = (Lanes){0.0} + weights[j] * cross;
-            add_monomials(m, &x, &y, &share);
+            Lanes share = (Lanes){0.0} + weights[j] * cross;
+            Boundary on = {side[0] + places[j] * ex, side[1] + places[j] * ey, share};
+            add_monomials(m, &on);
         }
     }
     for (int i = 0; i < at->arc_count; ++i) arc_moments(at->arcs + i, m);
-    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = m[k][0] + m[k][1];
+    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = total(m + k);
+    at->has_moments = 1;
 }
 
 /* Load and moments (3) of a quadratic over the contact. */
@@ -460,7 +514,7 @@ static int balance(const Pressure *pressure, Pressed *at) {
     if (!cut(pressure, at)) return 0;
     take_moments(at);
     left = lacking(pressure, at, step);
-    for (int i = 0; i < 200 && left > BALANCED; ++i) {
+    for (int i = 0; i < MOST_CORRECTIONS && left > BALANCED; ++i) {
         double share = 1.0, now = INFINITY;
         memcpy(tried, at->pressure, sizeof tried);
         for (; share > 1e-6; share *= 0.5) {
@@ -474,14 +528,15 @@ static int balance(const Pressure *pressure, Pressed *at) {
                 break;
             }
         }
-        if (!(now < left)) return left < 1e-11;
+        if (!(now < left)) return left < NEARLY_BALANCED;
         left = now;
     }
-    return left <= 1e-11;
+    return left <= NEARLY_BALANCED;
 }
 
 /* Derivatives of c and l by what the shape's numbers add to P. */
 static void slopes_of(Pressed *at) {
+    if (!at->has_moments) take_moments(at);
     for (int k = 0; k < SHAPE_SIZE; ++k) {
         double shape[SHAPE_SIZE] = {0.0}, load[3], *to = at->by_shape[k];
         shape[k] = 1.0;
@@ -504,65 +559,97 @@ static void shapes_by_theta(const Pressure *pressure, const Pressed *at, double 
     by[SHAPE_BOW_Y] = -2.0 * bow;
 }
 
-/* A table over half a turn of c, l and their derivatives by theta (6 columns); returns the rows that could be found. */
-EXPORT int64_t cm_balance(const Pressure *pressure, int64_t count, double *table) {
+/* As if all of the outline were in contact. */
+static void start_from_whole(const Pressure *pressure, const double *whole, Pressed *at) {
+    double lack[BALANCE_SIZE], *p = at->pressure;
+    memset(p, 0, BALANCE_SIZE * sizeof(double));
+    loads_of(whole, p, lack);
+    for (int k = 0; k < BALANCE_SIZE; ++k)
+        lack[k] = (k ? pressure->centre[k - 1] : 1.0) - lack[k];
+    lean_for(whole, lack, p);
+}
+
+/* The pressure at an orientation by the cubic between two rows of the table; returns how far it may
+   be off. */
+static double lean_between(const Pressure *pressure, double theta, double *p) {
+    double count = (double)pressure->table_count, turns = theta / M_PI;
+    double place = (turns - floor(turns)) * count, h = M_PI / count, shape[SHAPE_SIZE];
+    int64_t index = (int64_t)place, last = pressure->table_count - 1;
+    if (index > last) index = last;
+    const double *a = pressure->table + BALANCE_COLUMNS * index;
+    const double *b = index < last ? a + BALANCE_COLUMNS : pressure->table;
+    double s = place - (double)index, t = 1.0 - s;
+    for (int k = 0; k < BALANCE_SIZE; ++k) {
+        double after_a = (1.0 + 2.0 * s) * a[BALANCE_LEAN + k] + s * h * a[BALANCE_SLOPE + k];
+        double before_b = (1.0 + 2.0 * t) * b[BALANCE_LEAN + k] - t * h * b[BALANCE_SLOPE + k];
+        p[k] = t * t * after_a + s * s * before_b;
+    }
+    shapes_at(pressure, theta, shape);
+    bend(p, shape);
+    return a[BALANCE_ERROR];
+}
+
+/* One step of Newton's method towards the balance; returns how much it moves c or l. The boundary
+   stays: P vanishes on it, so that it counts by squares. */
+static double correct(const Pressure *pressure, Pressed *at) {
+    double step[BALANCE_SIZE], most = 0.0;
+    take_moments(at);
+    lacking(pressure, at, step);
+    for (int k = 0; k < BALANCE_SIZE; ++k) {
+        at->pressure[k] += step[k];
+        if (fabs(step[k]) > most) most = fabs(step[k]);
+    }
+    return most;
+}
+
+/* A table over half a turn, rows of BALANCE; returns the rows that could be found. pressure: has
+   its address already. */
+EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     Pressed at;
     double shape[SHAPE_SIZE], by[SHAPE_SIZE], whole[MONOMIALS];
+    int64_t count = pressure->table_count;
+    memset(at.pressure, 0, sizeof at.pressure);
     at.pressure[Q_LEVEL] = 1.0;
-    for (int k = Q_SLOPE_X; k < QUADRATIC_SIZE; ++k) at.pressure[k] = 0.0;
     if (!cut(pressure, &at)) return 0;
     take_moments(&at);
     memcpy(whole, at.moments, sizeof whole);
     for (int64_t i = 0; i < count; ++i) {
         double *row = table + BALANCE_COLUMNS * i;
         shapes_at(pressure, M_PI * (double)i / (double)count, shape);
-        if (i == 0) {
-            /* as if all of the outline were in contact */
-            double lack[3], *p = at.pressure;
-            memset(p, 0, sizeof at.pressure);
-            bend(p, shape);
-            loads_of(whole, p, lack);
-            for (int k = 0; k < 3; ++k) lack[k] = (k ? pressure->centre[k - 1] : 1.0) - lack[k];
-            lean_for(whole, lack, p);
-        }
         bend(at.pressure, shape);
+        if (i == 0) start_from_whole(pressure, whole, &at);
         if (!balance(pressure, &at)) return i;
         slopes_of(&at);
         shapes_by_theta(pressure, &at, by);
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < BALANCE_SIZE; ++k) {
             row[BALANCE_LEAN + k] = at.pressure[k];
-            row[BALANCE_SLOPE + k] = by[SHAPE_BOW_X] * at.by_shape[SHAPE_BOW_X][k] + by[SHAPE_BOW_Y] * at.by_shape[SHAPE_BOW_Y][k];
+            row[BALANCE_SLOPE + k] = by[SHAPE_BOW_X] * at.by_shape[SHAPE_BOW_X][k]
+                                     + by[SHAPE_BOW_Y] * at.by_shape[SHAPE_BOW_Y][k];
         }
+    }
+    for (int64_t i = 0; i < count; ++i) {
+        lean_between(pressure, M_PI * ((double)i + 0.5) / (double)count, at.pressure);
+        if (!cut(pressure, &at)) return i;
+        table[BALANCE_COLUMNS * i + BALANCE_ERROR] = correct(pressure, &at);
     }
     return count;
 }
 
-/* The pressure at an orientation, from the table, corrected by one step of Newton's method. */
+/* The pressure at an orientation, from the table, corrected where that may be too far off. */
 static void press(const Pressure *pressure, double theta, Pressed *at) {
     if (at->is_known && at->theta == theta) return;
-    double shape[SHAPE_SIZE], step[3], count = (double)pressure->table_count, h = M_PI / count;
-    double turns = theta / M_PI, place = (turns - floor(turns)) * count;
-    int64_t index = (int64_t)place < pressure->table_count ? (int64_t)place : pressure->table_count - 1;
-    const double *a = pressure->table + 6 * index, *b = pressure->table + 6 * ((index + 1) % pressure->table_count);
-    double s = place - (double)index, t = 1.0 - s;
-    for (int k = 0; k < 3; ++k)
-        at->pressure[k] = t * t * ((1.0 + 2.0 * s) * a[k] + s * h * a[3 + k]) + s * s * ((1.0 + 2.0 * t) * b[k] - t * h * b[3 + k]);
-    shapes_at(pressure, theta, shape);
-    bend(at->pressure, shape);
+    double error = lean_between(pressure, theta, at->pressure);
     cut(pressure, at);
-    take_moments(at);
-    lacking(pressure, at, step);
-    /* the boundary stays: P vanishes on it, so that it counts by squares */
-    for (int k = 0; k < 3; ++k) at->pressure[k] += step[k];
     at->theta = theta;
     at->is_known = 1;
-    at->has_slopes = 0;
+    at->has_moments = at->has_slopes = 0;
+    if (error > LEAN_SHARE * at->tolerance) correct(pressure, at);
 }
 
 /* For drawings and tests: the pressure at an orientation. */
 EXPORT void cm_press(const Pressure *pressure, double theta, double *quadratic) {
     Pressed at;
-    at.is_known = 0;
+    begin_pressed(&at, 0.0);
     press(pressure, theta, &at);
     memcpy(quadratic, at.pressure, sizeof at.pressure);
 }

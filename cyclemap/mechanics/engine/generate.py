@@ -115,8 +115,43 @@ def write_sources(folder: Path) -> None:
     for function in functions.values():
         generator.add(function)
     (Path(folder) / "kernels.c").write_text(
-        f"{_names()}\n{generator.dump()}\n{_tables()}", encoding="utf-8"
+        "\n".join((_names(), generator.dump(), _tables(), *_in_lanes())), encoding="utf-8"
     )
+
+
+# How instructions of CasADi's are written for Lanes, of the results of earlier ones.
+LANE_OPERATIONS = {
+    **{ca.OP_ADD: "{0} + {1}", ca.OP_SUB: "{0} - {1}", ca.OP_MUL: "{0} * {1}"},
+    **{ca.OP_DIV: "{0} / {1}", ca.OP_NEG: "-{0}", ca.OP_SQ: "{0} * {0}", ca.OP_TWICE: "{0} + {0}"},
+    **{ca.OP_INV: "1.0 / {0}", ca.OP_FABS: "sizes({0})", ca.OP_SQRT: "rooted({0})"},
+    ca.OP_LOG1P: "logarithms({0})",
+}
+
+
+def _in_lanes() -> list[str]:
+    """The functions of some sides at once, in C."""
+    return [_lanes_code(name, function) for name, function in equations.side_kernels().items()]
+
+
+def _lanes_code(name: str, function: ca.Function) -> str:
+    """One function of one row of numbers, each of them Lanes."""
+    lines = [f"static ALWAYS_INLINE void {name}(const Lanes *given, Lanes *found) {{"]
+    lines.append(f"    Lanes {', '.join(f'a{place}' for place in range(function.sz_w()))};")
+    for index in range(function.n_instructions()):
+        operation = function.instruction_id(index)
+        read, written = function.instruction_input(index), function.instruction_output(index)
+        if operation == ca.OP_CONST:
+            lines.append(
+                f"    a{written[0]} = (Lanes){{0.0}} + {function.instruction_constant(index)!r};"
+            )
+        elif operation == ca.OP_INPUT:
+            lines.append(f"    a{written[0]} = given[{read[1]}];")
+        elif operation == ca.OP_OUTPUT:
+            lines.append(f"    found[{written[1]}] = a{read[0]};")
+        else:
+            value = LANE_OPERATIONS[operation].format(*(f"a{place}" for place in read))
+            lines.append(f"    a{written[0]} = {value};")
+    return "\n".join([*lines, "}"])
 
 
 def bend_weights() -> NDArray[np.float64]:
@@ -222,8 +257,8 @@ def _tables() -> str:
     }
     boundary = [np.polynomial.legendre.leggauss(order) for order in BOUNDARY_RULES]
     around = np.arange(RIM_SAMPLES + 1) * 2.0 * np.pi / RIM_SAMPLES
-    # The size of Bernstein's ellipse from which a rule serves.
-    reach = np.exp(np.array(BOUNDARY_DIGITS)[:, None] / (2.0 * np.array(BOUNDARY_RULES)))
+    # The half axis of Bernstein's ellipse from which a rule serves.
+    reach = np.cosh(np.array(BOUNDARY_DIGITS)[:, None] / (2.0 * np.array(BOUNDARY_RULES)))
     lines = [enum_of(counts)]
     integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest}
     angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])

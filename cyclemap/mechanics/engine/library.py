@@ -6,6 +6,7 @@ Python.
 
 import ctypes
 import hashlib
+import struct
 import sys
 from functools import cache
 from pathlib import Path
@@ -44,18 +45,55 @@ def digest_of(folder: Path) -> str | None:
 
 
 def is_built(folder: Path) -> bool:
-    """Whether the library is there and made from the sources beside it, if there are any: it holds
-    their digest.
-    """
+    """Whether the library is there, whole, and made from the sources beside it, if any are."""
+    return _flaw(folder) is None
+
+
+def _flaw(folder: Path) -> str | None:
+    """What is wrong with the library, as the rest of a sentence about it; None where nothing is."""
     digest, library = digest_of(folder), library_path(folder)
-    return library.exists() and (digest is None or digest.encode() in library.read_bytes())
+    if not library.exists():
+        return "is missing"
+    content = library.read_bytes()
+    if not _is_whole(content):
+        return "is cut short"
+    if digest is None or digest.encode() in content:
+        return None
+    return "is not made from the sources beside it"
+
+
+def _is_whole(content: bytes) -> bool:
+    """Whether a library goes on to where its own tables say that it ends.
+
+    Linux maps what is not there, and kills the process that comes to it; other systems look.
+    """
+    if content[:4] != b"\x7fELF":
+        return True
+    long_words, order = content[4:5] == b"\x02", "<" if content[5:6] == b"\x01" else ">"
+    header = struct.Struct(f"{order}{'QQI6H' if long_words else 'III6H'}")
+    begin = 32 if long_words else 28
+    if len(content) < begin + header.size:
+        return False
+    segments, sections, *sizes = header.unpack_from(content, begin)
+    segment_size, segment_count, section_size, section_count = sizes[2:6]
+    ends: list[int] = [
+        sections + section_count * section_size,
+        segments + segment_count * segment_size,
+    ]
+    if max(ends) > len(content):
+        return False
+    # Of each segment, where it begins in the file and how much of it is there.
+    place, length = (8, 32) if long_words else (4, 16)
+    word = struct.Struct(f"{order}{'Q' if long_words else 'I'}")
+    for row in range(segments, ends[1], segment_size):
+        begin, size = (word.unpack_from(content, row + at)[0] for at in (place, length))
+        ends.append(begin + size)
+    return max(ends) <= len(content)
 
 
 @cache
 def load() -> ctypes.CDLL:
-    """Return the engine's library; EngineNotBuilt where there is none, or one of other sources than
-    those beside it.
-    """
+    """Return the engine's library; EngineNotBuilt where there is none that may be used."""
     library, table, number = open_engine(Path(__file__).parent), ctypes.c_void_p, ctypes.c_int64
     library.cm_run.argtypes, library.cm_run.restype = (
         (*(table,) * 3, number, number, *(table,) * 4),
@@ -69,21 +107,18 @@ def load() -> ctypes.CDLL:
         (table, ctypes.c_double, table, table, number, table),
         None,
     )
-    library.cm_balance.argtypes, library.cm_balance.restype = (table, number, table), number
+    library.cm_balance.argtypes, library.cm_balance.restype = (table, table), number
     library.cm_press.argtypes, library.cm_press.restype = (table, ctypes.c_double, table), None
     return library
 
 
 def open_engine(folder: Path) -> ctypes.CDLL:
-    """Load the library of the engine in `folder`, unless it is made from other sources than those
-    there.
-    """
+    """Load the library of the engine in `folder`; EngineNotBuilt unless it `is_built`."""
     from cyclemap.errors import EngineNotBuilt
 
     path = library_path(folder)
-    if not is_built(folder):
-        state = "is not made from the sources beside it" if path.exists() else "is missing"
-        raise EngineNotBuilt(f"the compiled engine {path} {state}: {_BUILD}")
+    if flaw := _flaw(folder):
+        raise EngineNotBuilt(f"the compiled engine {path} {flaw}: {_BUILD}")
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:

@@ -40,10 +40,8 @@ static void set_slack(const Stroke *r, const Motion *m, double *slack) {
     double tolerance = r->object->tolerance, radius = r->object->radius;
     double strict = STRICT_SHARE * tolerance;
     for (int k = 0; k < MARGINS; ++k) slack[k] = SLACK_SHARE * sqrt(tolerance);
-    if (m->mode == STICK) {
-        slack[APPROACH] = strict;
-        slack[FIRST] = slack[SECOND] = FORCE_SLACK;
-    }
+    slack[APPROACH] = strict;
+    if (m->mode == STICK) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
     if (place_of(m) == AT_WEDGE) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
     if (place_of(m) != AT_OUTLINE) return;
     double loose = fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict);
@@ -179,11 +177,14 @@ static int record(Stroke *r, Motion *m, const double *row) {
 static int integrate(Stroke *r, Motion *m, double *state, double length, double *next_h,
                      double *done, Step *taken) {
     double h = *next_h, first_h = *next_h, tolerance = r->object->tolerance, slack[MARGINS];
-    double loose[MARGINS], row[ROW], report[REPORT], value;
+    double loose[MARGINS], ends[MARGINS], row[ROW], report[REPORT], value;
     int refused = 0, count = 0, found = evaluate(r, m, state, row, report);
     set_slack(r, m, slack);
     memcpy(loose, slack, sizeof loose);
     loose[FIRST] = loose[SECOND] = SLACK_SHARE * sqrt(tolerance);
+    /* the equations of a slide may end with it */
+    memcpy(ends, slack, sizeof ends);
+    if (slides(m)) loose[APPROACH] = ends[APPROACH] = loose[FIRST];
     if (found < 0 || (found = record(r, m, row)) < 0) return found;
     m->has_tangent = m->has_reached = 0;
     for (*done = 0.0; *done < length;) {
@@ -195,7 +196,7 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
         found = attempt(r, m, row, tried, tried > SHORT * length, taken);
         if (found < 0) return found;
         if (!found || !(taken->error <= tolerance)) {
-            int ended = least(row, slack, &value);
+            int ended = least(row, ends, &value);
             if (count && has_margins(m) && tried <= fmax(tolerance, STUCK) && value <= 1.0) {
                 *next_h = first_h;
                 return ended;

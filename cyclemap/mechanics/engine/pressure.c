@@ -77,14 +77,6 @@ static void move_side(Friction *f, const double *row, double load) {
     f->is_summed = 1;
 }
 
-/* Places are summed some at once: each has the same roots and quotients to take. */
-enum { LANES = 2 };
-#define ALWAYS_INLINE inline __attribute__((always_inline))
-typedef double Lanes __attribute__((vector_size(8 * LANES)));
-static inline void roots(Lanes *x) {
-    for (int k = 0; k < LANES; ++k) (*x)[k] = sqrt((*x)[k]);
-}
-
 /* The sum over all lanes. */
 static inline double total(const Lanes *x) {
     double sum = 0.0;
@@ -134,7 +126,7 @@ static ALWAYS_INLINE void add_places(const Frame *e, const Lanes *x, const Lanes
     Lanes px = t[M_XX] * *x + t[M_XY] * *y, py = t[M_YX] * *x + t[M_YY] * *y;
     Lanes wx = e->middle[X] + e->omega * px, wy = e->middle[Y] + e->omega * py;
     Lanes speed = wx * wx + wy * wy + 1e-300;
-    roots(&speed);
+    speed = rooted(speed);
     Lanes slowness = 1.0 / speed, ux = wx * slowness, uy = wy * slowness, k = *share * slowness;
     Lanes spin = ux * py - uy * px, kx = -k * uy, ky = k * ux;
     sums->of[FORCE_X] += *share * ux;

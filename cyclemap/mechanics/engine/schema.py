@@ -95,12 +95,12 @@ MOTION = Columns(
     f"direction radius smu {LAW.entries} geometry:5 low high "
     "cos_direction sin_direction cos_phi sin_phi",
 )
-# Those by which a motion is differentiated, after its state: of the geometry, the first two
+# Those by which a motion is differentiated, after its state: of the geometry, the first four
 # numbers.
 VARIED = {
     **{name: MOTION.at(name) for name in ("direction", "radius", "smu")},
     **{name: MOTION.at(name) for name in ("mu_a", "mu_b", "m0", "n0", "phi")},
-    **{f"geometry_{axis}": MOTION.at("geometry") + k for k, axis in enumerate("xy")},
+    **{f"geometry_{k}": MOTION.at("geometry") + k for k in range(4)},
 }
 # What a contact begins with, besides the twist and the friction matrix: the constant wrench of the
 # friction ellipse's centre; contact point and normal, approach and travel along of a rod that
@@ -126,8 +126,9 @@ REPORT = Columns("REPORT", "", "correction residual normal_force tangential_forc
 # A quadratic c + l . x + x . Q x, and a shape's own: dome r^2 + bow_x (x^2 - y^2) + 2 bow_y x y.
 QUADRATIC = Columns("QUADRATIC_SIZE", "Q_", "level slope_x slope_y xx xy yy")
 SHAPE = Columns("SHAPE_SIZE", "SHAPE_", "dome bow_x bow_y")
-# A row of a foundation's balance: c and l at an orientation, and their slopes by it.
-BALANCE = Columns("BALANCE_COLUMNS", "BALANCE_", "lean:3 slope:3")
+# A row of a foundation's balance: c and l at an orientation, their slopes by it, and how far the
+# cubic to the next row is off half way.
+BALANCE = Columns("BALANCE_COLUMNS", "BALANCE_", "lean:3 slope:3 error")
 # The shapes of a foundation that is pressed: the floor's and the plate's numbers.
 SHAPES = tuple(f"{owner}_{name}" for owner in ("floor", "plate") for name in SHAPE.names)
 # What a pressure can be differentiated by.
@@ -146,7 +147,9 @@ SOURCES = (*VARIED, *OF_PRESSURE)
 # push's travel, poses after it and at the end, the ring's way. Its outputs are differentiated.
 TASK = Columns("TASK_COLUMNS", "TASK_", "loop pose:3")
 OUTPUT = Columns("OUTPUTS", "OUTPUT_", "pushed:3 ended:3 way")
-RESULT = Columns("RESULT_COLUMNS", "RESULT_", f"status has_left travel {OUTPUT.entries}")
+RESULT = Columns(
+    "RESULT_COLUMNS", "RESULT_", f"status has_left is_ambiguous travel {OUTPUT.entries}"
+)
 # The course of a task: number of the stroke (0: the push), travel, the rod's place, state, piece,
 # mode, both forces, residual of the balance; point and outward normal of the contact in the
 # object's frame.
@@ -161,7 +164,8 @@ RECORD = Columns(
 # of the outline. far: centres of rotation farther than this (extents, velocity plane) are summed by
 # nodes. Part i has the rows first_row[i] to [i + 1], and alike its nodes. Of a foundation that is
 # pressed, which has no parts: both shapes, the centre of mass off the middle, the outline's corners
-# off the middle or, without sides, its half axes, and `balance_table` of its c and l.
+# off the middle or, without sides, its half axes, the square of how far it reaches from the middle,
+# and how it is balanced at orientations over half a turn.
 PRESSURE = Structure(
     "Pressure",
     (
@@ -169,7 +173,12 @@ PRESSURE = Structure(
         *(("first_row", "whole", len(PARTS) + 1), ("first_node", "whole", len(PARTS) + 1)),
         *(("rows", "table", 0), ("nodes", "table", 0), ("plate", "number", SHAPE.size)),
         *(("floor", "number", SHAPE.size), ("centre", "number", 2), ("side_count", "whole", 0)),
-        *(("table_count", "whole", 0), ("outline", "table", 0), ("table", "table", 0)),
+        *(
+            ("reach", "number", 0),
+            ("table_count", "whole", 0),
+            ("outline", "table", 0),
+            ("table", "table", 0),
+        ),
     ),
 )
 # What is pushed with what: shared by many strokes, and never written. pieces: of the contact curve,

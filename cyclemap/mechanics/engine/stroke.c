@@ -82,21 +82,63 @@ static int delays(Stroke *r, Motion *m, const double *row, double *later) {
     return 1;
 }
 
+/* Derivative by the rod's radius of its centre c in a wedge: n . c grows by one for both normals. */
+static void wedge_by_radius(const Stroke *r, int wedge, double *centre) {
+    const double *at = piece_of(r, wedge) + PIECE_GEOMETRY;
+    double first = at[WEDGE_FIRST_NORMAL], second = at[WEDGE_SECOND_NORMAL];
+    double whole = 1.0 + cos(first - second);
+    centre[X] = (cos(first) + cos(second)) / whole;
+    centre[Y] = (sin(first) + sin(second)) / whole;
+}
+
+/* The same of the coordinate at which the piece before a wedge ends, or that after it begins. */
+static double end_by_radius(const Stroke *r, int wedge, int forward) {
+    const double *at = piece_of(r, wedge);
+    double normal = at[PIECE_GEOMETRY + (forward ? WEDGE_SECOND_NORMAL : WEDGE_FIRST_NORMAL)];
+    double centre[2];
+    int kind = (int)piece_of(r, (int)at[forward ? PIECE_AFTER : PIECE_BEFORE])[PIECE_KIND];
+    wedge_by_radius(r, wedge, centre);
+    double along = centre[Y] * cos(normal) - centre[X] * sin(normal);
+    return kind == KIND_CORNER ? along / r->object->radius : along;
+}
+
+/* Lets a wedge lie where the radius takes it: the sources of its geometry; below 0: of none. */
+static void vary_wedge(const Stroke *r, int wedge) {
+    double by[WEDGE_SENSE] = {0.0};
+    if (!r->varied || r->object->radius == 0.0) return;
+    if (wedge >= 0) wedge_by_radius(r, wedge, by + WEDGE_X);
+    for (int forward = 0; forward < 2 && wedge >= 0; ++forward) {
+        int piece = (int)piece_of(r, wedge)[forward ? PIECE_AFTER : PIECE_BEFORE];
+        /* the normal of a corner is its coordinate */
+        if ((int)piece_of(r, piece)[PIECE_KIND] == KIND_CORNER)
+            by[WEDGE_FIRST_NORMAL + forward] = end_by_radius(r, wedge, forward);
+    }
+    double(*source)[MOST_VARIED] = r->varied->source;
+    for (int k = 0; k < r->varied->count; ++k)
+        for (int i = 0; i < WEDGE_SENSE; ++i)
+            source[SOURCE_GEOMETRY_0 + i][k] = by[i] * source[SOURCE_RADIUS][k];
+}
+
 /* Takes another motion at a state; where rates jump, it counts how much later the variation comes
-   there; the coordinate goes on by `ratio`. */
+   there; the coordinate goes on by `ratio`. By the radius the ends of the old and the new piece
+   move as told. */
 static int change_motion(Stroke *r, Motion *m, Motion following, const double *end,
-                         const double *state, double ratio) {
+                         const double *state, double ratio, double old_end, double new_end) {
     double row[ROW], report[REPORT], later[MOST_VARIED];
-    int found = r->varied ? delays(r, m, end, later) : NOTHING;
+    Variation *v = r->varied;
+    for (int i = 0; v && i < v->count; ++i)
+        v->state[STATE_SIZE * i + COORDINATE] -= old_end * v->source[SOURCE_RADIUS][i];
+    int found = v ? delays(r, m, end, later) : NOTHING;
     *m = following;
-    if (!r->varied) return NOTHING;
+    if (!v) return NOTHING;
     if (found < 0 || (found = evaluate(r, m, state, row, report)) < 0) return found;
-    for (int i = 0; i < r->varied->count; ++i) {
-        double *w = r->varied->state + STATE_SIZE * i;
+    for (int i = 0; i < v->count; ++i) {
+        double *w = v->state + STATE_SIZE * i;
         const double *before = end + SLOPE, *after = row + SLOPE;
         w[THETA] += (before[THETA] - after[THETA]) * later[i];
         w[COORDINATE] =
-            w[COORDINATE] * ratio + (before[COORDINATE] * ratio - after[COORDINATE]) * later[i];
+            w[COORDINATE] * ratio + (before[COORDINATE] * ratio - after[COORDINATE]) * later[i]
+            + new_end * v->source[SOURCE_RADIUS][i];
     }
     return NOTHING;
 }
@@ -129,7 +171,19 @@ static int turns_about(Stroke *r, Motion *m, int wedge, int mode, double theta) 
             return 0;
         iterate(r, m, state, m->z, row, report);
     }
-    return report[NORMAL_FORCE] >= 0.0 && report[TANGENTIAL_FORCE] >= 0.0;
+    return row[MARGIN + FIRST] >= 0.0 && row[MARGIN + SECOND] >= 0.0;
+}
+
+/* Whether a notch locks itself: two forces along the line through both contacts are in both cones, so
+   that squeezing holds any load. */
+static int locks(const Stroke *r, int wedge, double theta) {
+    double state[] = {theta, 0.0};
+    Motion m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
+    Begun b;
+    begin(r, &m, state, m.z, &b);
+    const double *f = b.frame;
+    double cosine = f[FRAME_COSINE] * f[FRAME_SECOND_COSINE] + f[FRAME_SINE] * f[FRAME_SECOND_SINE];
+    return acos(-fmin(fmax(cosine, -1.0), 1.0)) <= 2.0 * atan(r->friction);
 }
 
 /* Whether the friction of both contacts can hold the object in translation. Of the tangential force
@@ -138,7 +192,7 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
     double state[] = {theta, 0.0}, friction[FRICTION_SIZE], mu = r->friction;
     double radius = r->object->radius;
     double low = -INFINITY, high = INFINITY;
-    if (radius == 0.0) return 0;
+    if (radius == 0.0) return locks(r, wedge, theta);
     Begun b;
     *m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
     begin(r, m, state, m->z, &b);
@@ -168,19 +222,29 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
    several the one without forces inside the wedge that nothing has built up. */
 static int enter_wedge(Stroke *r, Motion *m, int wedge, const double *end, double *state) {
     const double *at = piece_of(r, wedge);
-    Motion next;
-    int mode = r->object->radius > 0.0 ? WEDGE_LEFT : WEDGE_RIGHT;
+    int first = r->object->radius > 0.0 ? WEDGE_LEFT : WEDGE_RIGHT, count = 0;
+    int is_forward = m->piece == (int)at[PIECE_BEFORE];
+    double coordinate = 0.0, new_end = 0.0;
+    Motion next, tried;
     r->is_wedged = 1;
     for (int forward = 1; forward >= 0; --forward) {
         int piece = (int)at[forward ? PIECE_AFTER : PIECE_BEFORE];
-        if (!leaves_along(r, &next, piece, forward, state[THETA])) continue;
-        state[COORDINATE] = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
-        return change_motion(r, m, next, end, state, 0.0);
+        if (!leaves_along(r, &tried, piece, forward, state[THETA]) || count++) continue;
+        coordinate = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
+        new_end = end_by_radius(r, wedge, forward);
+        next = tried;
     }
-    while (mode <= WEDGE_RIGHT && !turns_about(r, &next, wedge, mode, state[THETA])) ++mode;
-    if (mode > WEDGE_RIGHT && !is_held_in(r, &next, wedge, state[THETA])) return NOT_ALONE;
-    state[COORDINATE] = 0.0;
-    return change_motion(r, m, next, end, state, 0.0);
+    for (int mode = first; mode <= WEDGE_RIGHT; ++mode)
+        if (turns_about(r, &tried, wedge, mode, state[THETA]) && !count++) next = tried;
+    if (is_held_in(r, &tried, wedge, state[THETA]) && !count++)
+        next = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);
+    if (!count) return NOT_ALONE;
+    if (count > 1) r->is_ambiguous = 1;
+    state[COORDINATE] = coordinate;
+    double old_end = end_by_radius(r, wedge, !is_forward);
+    int found = change_motion(r, m, next, end, state, 0.0, old_end, new_end);
+    if (place_of(m) == AT_WEDGE) vary_wedge(r, wedge);
+    return found;
 }
 
 /* A rod in a wedge loses one of both contacts, and goes on along the piece of the other one, in the
@@ -188,6 +252,10 @@ static int enter_wedge(Stroke *r, Motion *m, int wedge, const double *end, doubl
 static int leave_wedge(Stroke *r, Motion *m, double *state, int forward) {
     int piece = (int)piece_of(r, m->piece)[forward ? PIECE_AFTER : PIECE_BEFORE];
     int left = m->mode == WEDGE_LEFT;
+    double end = end_by_radius(r, m->piece, forward);
+    for (int k = 0; r->varied && k < r->varied->count; ++k)
+        r->varied->state[STATE_SIZE * k + COORDINATE] = end * r->varied->source[SOURCE_RADIUS][k];
+    vary_wedge(r, -1);
     double spin = m->z[SPIN], coordinate = piece_of(r, piece)[forward ? PIECE_LOW : PIECE_HIGH];
     if (leaves_along(r, m, piece, forward, state[THETA])) {
         state[COORDINATE] = coordinate;
@@ -224,7 +292,7 @@ static int cross(Stroke *r, Motion *m, const double *end, double *state, int for
         int found = first_motion(r, &following, state);
         if (found < 0) return found;
     }
-    return change_motion(r, m, following, end, state, ratio);
+    return change_motion(r, m, following, end, state, ratio, 0.0, 0.0);
 }
 
 /* The end of its side that a point stands on and is about to slide over, else NOTHING; or why it

@@ -94,11 +94,12 @@ def _foundation_tables(footprint: PressedFootprint) -> PressureTables:
         record["side_count"] = len(boundary)
     else:
         boundary = np.array([(outline.semi_x, outline.semi_y)]) / size
+    record["reach"] = np.max(np.sum(boundary**2, axis=1))
     balance = np.zeros((BALANCE_ROWS, BALANCE.size))
     none = np.zeros((0, ROW.size)), np.zeros((0, NODE.size))
     tables = PressureTables(record, *none, boundary, balance)
     packed = np.array(_addressed(tables))
-    if load().cm_balance(packed.ctypes.data, BALANCE_ROWS, _address(balance)) < BALANCE_ROWS:
+    if load().cm_balance(packed.ctypes.data, _address(balance)) < BALANCE_ROWS:
         raise InvalidInput(
             f"the load under {footprint.plate} on {footprint.floor} cannot be balanced: take "
             "smaller numbers for the shapes, or a simpler outline"
@@ -134,8 +135,8 @@ class Strokes:
 
 @dataclass(frozen=True, eq=False)
 class Ran:
-    """What came of tasks (n,): status (1: done, else why not), whether the rod left, and in extents
-    and rad
+    """What came of tasks (n,): status (1: done, else why not), whether the rod left, whether
+    another motion would have gone on, too, from a concave corner, and in extents and rad
 
     travel (n,) of the push, poses (n, 3) after it and at the end, the ring's way (n,); derivatives
     (n, 7, k) of both poses and the way by the k parameters. nan where not done.
@@ -143,6 +144,7 @@ class Ran:
 
     status: NDArray[np.int64]
     left: NDArray[np.bool_]
+    is_ambiguous: NDArray[np.bool_]
     travel: Array
     pushed: Array
     ended: Array
@@ -188,6 +190,7 @@ def run(
     return Ran(
         status=found.status.astype(np.int64),
         left=found.has_left == 1.0,
+        is_ambiguous=found.is_ambiguous == 1.0,
         travel=found.travel,
         pushed=found.pushed,
         ended=found.ended,

@@ -9,7 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.arrays import Array
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.pushes.conventions import written_convention
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
@@ -43,7 +46,7 @@ class Audit:
     name : of the data. theta : its orientations, rad, in order. reports : of the monitor after each, its chance of a
     false alarm being `alarm_rate`. ordered : whether their order is known. covered : arcs
     (from, to), rad, with no gap of 20 degrees. reset : None where the data do not tell poses before and after pushes.
-    others : pushes of other sets in the data, left out.
+    others : pushes of other sets in the data, left out. posed : whether poses after pushes are there, at least.
     """
 
     name: str
@@ -54,6 +57,7 @@ class Audit:
     covered: tuple[tuple[float, float], ...]
     reset: ResetEffect | None
     others: int
+    posed: bool = False
 
     @property
     def report(self) -> BiasReport:
@@ -90,12 +94,18 @@ class Audit:
 
 
 def audit(
-    data: str | Path | PushTable, *, alarm_rate: float = ALARM_RATE, progress: Callable[[float], None] | None = None
+    data: str | Path | PushTable,
+    *,
+    loop: CollectionLoop | None = None,
+    alarm_rate: float = ALARM_RATE,
+    progress: Callable[[float], None] | None = None,
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
 
     data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several sets pushed alike
-    the one of most pushes is taken. Raises InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+    the one of most pushes is taken. loop : that made them, where it is known: the sense of angles is tested by it, else
+    by whether pushes alike move the object alike. Raises OtherConvention where it is another,
+    InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as place:
@@ -105,7 +115,7 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    theta, ordered, reset, others = _orientations(data)
+    theta, ordered, reset, others, posed = _orientations(data, loop)
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor, reports = BiasMonitor(alarm_rate), []
@@ -113,20 +123,30 @@ def audit(
         reports.append(monitor.update(angle))
         if progress is not None:
             progress(done / theta.size)
-    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered_arcs(theta), reset, others)
+    covered = covered_arcs(theta)
+    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered, reset, others, posed)
 
 
-def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffect | None, int]:
-    """The orientations of the largest set, whether in order, what its resets did, and the number of other pushes."""
+def _orientations(
+    data: str | Path | PushTable, loop: CollectionLoop | None
+) -> tuple[Array, bool, ResetEffect | None, int, bool]:
+    """The orientations of the largest set, whether in order, what its resets did, the number of other pushes, and
+    whether poses after pushes are there.
+    """
     if isinstance(data, (str, Path)) and Path(data).is_file() and Path(data).suffix.lower() == ".csv":
         header = read_csv_table(data).header
         if not {"x0", "x1"} <= set(header):
             pairs = read_theta0_pairs(data)
-            return (pairs.theta, False, None, 0) if pairs.path is None else (pairs.path, True, None, 0)
+            if loop is not None:
+                check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
+            path = pairs.theta if pairs.path is None else pairs.path
+            return path, pairs.path is not None, None, 0, False
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
-        raise InvalidInput(f"{data}: no push with an orientation in it")
+        why = f": {given.unreadable[0].path}: {given.unreadable[0].reason}" if given.unreadable else ""
+        raise InvalidInput(f"{data}: no push with an orientation in it{why}")
+    check_pushes(given, loop)
     columns = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
     sets = table.groupby(columns, dropna=False, sort=False)
     largest = max((rows for _, rows in sets), key=len)
@@ -142,4 +162,5 @@ def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffec
         spread = float(np.var(push_turn, ddof=1))
         slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
         reset = ResetEffect(push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope)
-    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows)
+    posed = bool(rows["theta1"].notna().any())
+    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows), posed

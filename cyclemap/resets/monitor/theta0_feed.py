@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
@@ -37,24 +38,33 @@ class NewOrientations:
     guessed: bool = False
 
 
-def theta0_feed(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> Theta0Feed:
+def theta0_feed(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    units: Sequence[str] = (),
+    *,
+    angles: str | None = None,
+    frame: str | None = None,
+    offset_deg: float | None = None,
+) -> Theta0Feed:
     """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
 
     Its ``look(finished=False)`` gives the orientations added since the last look, one a push, in the order of the
     pushes; ``finished``: nothing more is being written.
 
     columns, units : of a table of one's own, as `read_own_table` takes them; other data are told by themselves.
+    angles, frame, offset_deg : of all data, as it takes them, too; orientations alone cannot tell them.
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
-    place = Path(path)
+    place, convention = Path(path), convention_of(path, angles, frame, offset_deg)
     if columns or units or is_own(place):
-        return OwnTableFeed(place, columns or {}, units)
+        return OwnTableFeed(place, columns or {}, units, convention)
     if not place.is_dir():
-        return Theta0CsvFeed(place)
+        return Theta0CsvFeed(place, convention)
     homes = sorted({file.parent for file in place.rglob("*") if push_facts(file) is not None} or {place})
     if len(homes) > 1 and place not in homes:
         raise InvalidInput(f"{place}: several folders below hold pushes: watch one, such as {homes[0]}")
-    return PushFolderFeed(place if place in homes else homes[0])
+    return PushFolderFeed(place if place in homes else homes[0], convention)
 
 
 class Theta0CsvFeed:
@@ -66,8 +76,8 @@ class Theta0CsvFeed:
     Between two looks it may be away.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, convention: Convention = OURS) -> None:
+        self.path, self.convention = path, convention
         self._seen = self._dropped = False
         self._start_over()
 
@@ -158,7 +168,7 @@ class Theta0CsvFeed:
         theta = math.radians(self._table.number(row, column))
         if abs(theta) > LARGEST_ORIENTATION:
             raise self._table.error(row.line, f"{column} is '{self._table.text(row, column)}'; {_LOST_FRACTION}")
-        return [theta]
+        return [self.convention.theta(theta)]
 
 
 @dataclass
@@ -171,6 +181,7 @@ class OwnTableFeed:
     path: Path
     columns: Mapping[str, str]
     units: Sequence[str]
+    convention: Convention = OURS
     _fed: tuple[float, ...] = ()
     _seen: tuple[int, int] | None = None
 
@@ -188,7 +199,7 @@ class OwnTableFeed:
         now = (status.st_size, status.st_mtime_ns)
         if not finished and (now == self._seen or (self.path.is_file() and self.path.read_bytes().count(b"\n") < 2)):
             return NewOrientations(())
-        found = read_orientations(self.path, self.columns, self.units, growing=not finished)
+        found = read_orientations(self.path, self.columns, self.units, not finished, self.convention)
         theta, fed = tuple(found.columns["theta0"].tolist()), self._fed
         self._seen, self._fed = now, theta
         anew = theta[: len(fed)] != fed
@@ -205,6 +216,7 @@ class PushFolderFeed:
     """
 
     path: Path
+    convention: Convention = OURS
     _taken: set[Path] = field(default_factory=set)
     _doubtful: tuple[Path, int, int] | None = None
     _dropped: bool = False
@@ -260,7 +272,7 @@ class PushFolderFeed:
                 raise DataFileError(f"{file}: cannot be read ({said}); restore it or remove it") from error
             self._taken.add(file)
             # A friction scan has none.
-            theta += [float(record.start[2])] if isinstance(record, PushRecord) else []
+            theta += [self.convention.theta(float(record.start[2]))] if isinstance(record, PushRecord) else []
         return tuple(theta)
 
     def _stale(self, file: Path) -> bool:

@@ -19,7 +19,7 @@ from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, toml_text
 from cyclemap.maps import CircleMap, Orbit, WrappedNormal, fixed_points, sample_staircase
-from cyclemap.mechanics import Ellipse, PatchFootprint
+from cyclemap.mechanics import Ellipse
 from cyclemap.plain_text import typeset
 from cyclemap.views import sentences
 
@@ -66,17 +66,21 @@ class Explored:
 
     def values(self) -> dict[str, float]:
         """Where every slider stands that the loop has a value for."""
-        # A footprint that is left to the object is the uniform one, whose shares are nought.
-        loop = replace(self.loop, footprint=self.loop.footprint or PatchFootprint(self.loop.slider.outline))
+        loop = self.loop
         sigma = DEFAULT_SIGMA if self.sigma is None else self.sigma
         if self.sigma is None and loop.material.noise is not None:
             sigma = noises_of(loop, loop.circle_map(tolerance=COARSE_TOLERANCE), None)[0].sigma
         found = {}
         for one in CONTROLS:
             value = sigma if one.key == NOISE_KEY else one.of(loop)
+            if value is None and one.group in ("Shape", "Pressure"):
+                # What is flat has no shape, and what has one no shares of its load.
+                value = 0.0
             if value is not None:
-                told = value / float(one.unit.in_si)
-                found[one.key] = float(f"{told % 180.0 if one.key == 'phi_deg' else told:.10g}")
+                written = value / float(one.unit.in_si)
+                # Axes have no sense.
+                written = written % 180.0 if one.key in ("phi_deg", "floor_bow_deg", "plate_warp_deg") else written
+                found[one.key] = float(f"{written:.10g}")
         return found
 
     def moved(self, moved: Mapping[str, object]) -> Explored:

@@ -1,5 +1,6 @@
 """Maps fitted to pairs come near those that made them, worn or not, and so does their staircase."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -136,21 +137,24 @@ def made(cycles: int = 4_000) -> Theta0Pairs:
 @pytest.mark.slow
 def test_the_law_behind_made_data_is_found_again() -> None:
     found, truth = measured_staircase(made()), predict_staircase(MAP, NOISE)
-    assert found.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
-    assert found.prediction.step == truth.step
+    assert found.foretold.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
+    assert found.foretold.prediction.step == truth.step
     assert found.cycles_a_turn == pytest.approx(4_000 * TURN / np.ptp(found.path[[0, -1]]))
-    assert found.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
-    assert found.comparison.visits[0].mean_p_value > 0.01
-    assert abs(found.comparison.net_steps - found.comparison.expected_steps) < 4 * found.comparison.net_error
+    assert found.foretold.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
+    assert found.foretold.comparison.visits[0].mean_p_value > 0.01
+    assert (
+        abs(found.foretold.comparison.net_steps - found.foretold.comparison.expected_steps)
+        < 4 * found.foretold.comparison.net_error
+    )
 
 
 @pytest.mark.slow
 def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(measured_data: Path) -> None:
     found = measured_staircase(read_theta0_pairs(measured_data / STAIRCASE))
-    assert np.rad2deg(found.prediction.step) == pytest.approx(360.0)
+    assert np.rad2deg(found.foretold.prediction.step) == pytest.approx(360.0)
     assert np.rad2deg(np.median(found.steps.heights)) == pytest.approx(360.0, abs=1.0)
-    assert found.prediction.mean_residence_cycles == pytest.approx(82.0, abs=2.0)
-    visit = found.comparison.visits[0]
+    assert found.foretold.prediction.mean_residence_cycles == pytest.approx(82.0, abs=2.0)
+    visit = found.foretold.comparison.visits[0]
     assert abs(visit.mean - visit.predicted) < 2 * visit.standard_error
 
 
@@ -158,3 +162,15 @@ def test_pairs_in_no_order_or_without_scatter_make_no_staircase() -> None:
     theta, path = np.linspace(0, 6, 50), np.arange(50) * 1.0
     refused(measured_staircase, Theta0Pairs(theta, theta + 0.1), told="no known order")
     refused(measured_staircase, Theta0Pairs(path[:-1], path[1:], path), told="no measurement")
+
+
+def test_a_path_that_covers_part_of_the_circle_foretells_no_staircase_and_says_why() -> None:
+    """What cycles do in a gap nothing tells; a map fitted there would be as steep as harmonics can be."""
+    rng, theta = np.random.default_rng(1), [0.2]
+    for _ in range(150):
+        theta.append(theta[-1] + 0.25 * math.sin(1.2 - theta[-1]) + 0.1 * rng.standard_normal())
+    path = np.array(theta)
+    found = measured_staircase(Theta0Pairs(path[:-1], path[1:], path))
+    assert found.foretold is None and "leave a gap of" in found.problem and found.steps.levels.size
+    few = np.arange(0.0, 6.5, 0.9)
+    assert "too few" in measured_staircase(Theta0Pairs(few[:-1], few[1:], few)).problem

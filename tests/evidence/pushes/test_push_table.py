@@ -52,7 +52,7 @@ def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
     [
         (f"{POSES}\n0,0,0,0,0,left\n", "line 2: theta1 is 'left'"),
         (f"{POSES}\n0,0,0,0,0,0\n0,0,nan,0,0,0\n", "line 3: theta0 is 'nan'"),
-        (f"{POSES}\n0,0,0,,0,0\n", "line 2: x1 is nan; it must be a number within 100"),
+        (f"{POSES}\n0,0,0,,0,0\n", "line 2: x1 is ''; it must be a number, and 1 of 1 rows lack one"),
         (f"{POSES}\n350,0,0,0,0,0\n", "line 2: x0 is 350; it must be a number within 100 .SI units"),
         (f"speed,{POSES}\nfast,0,0,0,0,0,0\n", "line 2: speed is 'fast'"),
         (f"{POSES}\n0,0,0\n", "line 2: 3 of 6 fields"),

@@ -87,6 +87,17 @@ def test_large_operators_are_solved_by_arnoldi_to_the_same_values():
     assert np.all(found.error_bounds < 1e-9)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("turns", [0.0, 0.17, 0.5])
+def test_large_operators_have_every_eigenvalue_as_often_as_it_is_there(turns):
+    """Those of a rotation are the noise's coefficients, in pairs that turn; by 0 and ½ they are equal."""
+    noise = WrappedNormal(0.04)
+    law = transfer_operator(CircleMap.rigid(turns), noise)
+    assert law.discretisation.size > 320
+    known = noise.coefficients(np.repeat(np.arange(1, 5), 2))
+    np.testing.assert_allclose(np.abs(law.eigenvalues(9)[1:]), known, atol=1e-13)
+
+
 def test_slow_mixing_between_wells_is_the_rate_of_escape():
     """For two equal wells 1 - λ₂ = 2/T, T the mean time from one well to the bottom of the other (Kramers 1940)."""
     law = transfer_operator(TWIN_WELLS, WrappedNormal(0.28))

@@ -1,0 +1,60 @@
+"""What no surface does: signs that an identification explains other data than it was told, or none."""
+
+from __future__ import annotations
+
+import math
+
+from cyclemap.evidence.identification.identify import Identification, KindErrors
+from cyclemap.evidence.identified_material import readable_kind
+
+# An identification that misses more than isotropic friction, by this factor, has found nothing of it.
+_WORSE = 1.1
+# Half of the places are further off than this share of the object's reach, half of the turns than that (rad): on floors
+# they lie within a tenth, and within 10 degrees.
+_LOST_PLACE, _LOST_TURN = 0.5, math.radians(35.0)
+# Beliefs are held against values further away than this many of their standard deviations.
+_BEYOND_BELIEF = 4.0
+# No floor that was measured has axes of friction beyond 1.7 : 1.
+MOST_RATIO = 3.0
+_FEWEST = 6
+
+
+def implausible(found: Identification, reach: float) -> tuple[str, ...]:
+    """Return what speaks against an identification, in words; nothing where it may be right.
+
+    reach : m, of the object from its origin.
+    """
+    errors = [one for one in found.errors if one.rows >= _FEWEST]
+    said = [words for one in errors for words in _lost(one, reach)]
+    beside = [one for one in errors if math.isfinite(one.isotropic_median)]
+    if beside and all(one.median > _WORSE * one.isotropic_median for one in beside):
+        said += [f"{_named(one)}, more than isotropic friction's {_size(one, one.isotropic_median)}" for one in beside]
+    for one in found.estimates:
+        value, deviation = found.priors.get(one.name, (one.value, math.inf))
+        shape = one.name.startswith(("ellipticity", "offset"))
+        if shape and one.identifiable and abs(one.value - value) > _BEYOND_BELIEF * deviation:
+            told = f"{one.name} is {one.value:.3g}, where {value:.3g} ± {deviation:.2g} is usual"
+            said.append(f"{told} (--no-priors believes anything)")
+    law = found.friction()
+    low, high = sorted((law.mu_a, law.mu_b))
+    if high > MOST_RATIO * low and any(one.identifiable for one in found.estimates):
+        said.append(f"axes of friction {high / low:.3g} : 1 long; no floor that was measured has them beyond 1.7 : 1")
+    return tuple(dict.fromkeys(said))
+
+
+def _size(one: KindErrors, value: float) -> str:
+    _, unit, factor = readable_kind(one.kind)
+    return f"{factor * value:.3g}{unit}"
+
+
+def _named(one: KindErrors) -> str:
+    return f"{one.block}: {readable_kind(one.kind)[0]} off by {_size(one, one.median)} in the median"
+
+
+def _lost(one: KindErrors, reach: float) -> list[str]:
+    """What is wrong with the errors of one kind, whatever isotropic friction's are."""
+    if one.kind.endswith("(rad)") and one.median > _LOST_TURN:
+        return [f"{_named(one)}, as if at random"]
+    if one.kind.endswith("place (m)") and one.median > _LOST_PLACE * reach:
+        return [f"{_named(one)}, of an object that reaches {1e3 * reach:.3g} mm"]
+    return []

@@ -1,0 +1,212 @@
+"""How data count angles and lay their axes: what a robot, a camera or a compass writes, brought to our own convention.
+
+Ours: x and y in a right-handed frame seen from above, angles counter-clockwise from x.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from cyclemap.checks import finite_number
+from cyclemap.collection.collection_file import data_table
+from cyclemap.errors import unknown_name
+from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.text_files import CsvRow, CsvTable
+
+Number = TypeVar("Number", float, Any)
+
+# The sense of an angle, and where its zero lies, rad: theta = sense * angle + zero.
+ANGLES: Mapping[str, tuple[float, float]] = {
+    "counter-clockwise": (1.0, 0.0),
+    "clockwise": (-1.0, 0.0),
+    "compass": (-1.0, 0.5 * math.pi),
+}
+RIGHT_HANDED, MIRRORED, SWAPPED = "right-handed", "mirrored", "swapped"
+FRAMES = (RIGHT_HANDED, MIRRORED, SWAPPED)
+KEYS = ("angles", "frame", "offset_deg")
+# A table that was brought to our convention already ends so: what its folder says of the data is done.
+AS_READ = "_as_read.csv"
+_SAID = (r"counter-clockwise|clockwise|compass", r"right-handed|mirrored|swapped", r"plus(-?[\d.]+)deg")
+_NAMED_LAST = re.compile(rf"(?:_({_SAID[0]}))?(?:_({_SAID[1]}))?(?:_{_SAID[2]})?{re.escape(AS_READ)}$")
+# Columns of tables that every reader takes: pairs of places, angles and turns; in degrees where the name says so.
+_PAIRS = (("x0", "y0"), ("x1", "y1"), ("x0n", "y0n"), ("tip_x0", "tip_y0"), ("tip_x1", "tip_y1"))
+_ORIENTATIONS = ("th0", "th1", "th0n", "theta0", "theta1", "theta_next")
+_DEGREES = ("theta0_deg", "theta1_deg", "theta_next_deg", "theta0_accum_deg", "theta0_mod360_deg")
+_TURNS = ("dtheta", "dtheta_to_next_deg")
+
+
+@dataclass(frozen=True)
+class Convention:
+    """How data count angles and lay their axes, seen from above.
+
+    angles : "counter-clockwise" from x, "clockwise" from x, or "compass": clockwise from y. frame : "right-handed";
+    "mirrored": y points the other way, as in pictures; "swapped": x stands for y and y for x. offset : rad, added to
+    every angle then: the orientation of an object whose angle reads as zero.
+
+    >>> heading = Convention("compass")
+    >>> round(math.degrees(heading.theta(math.radians(30.0))))
+    60
+    >>> Convention(frame="mirrored").place(1.0, 2.0)
+    (1.0, -2.0)
+    """
+
+    angles: str = "counter-clockwise"
+    frame: str = RIGHT_HANDED
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.angles not in ANGLES:
+            raise unknown_name("sense of angles", self.angles, ANGLES)
+        if self.frame not in FRAMES:
+            raise unknown_name("frame", self.frame, FRAMES)
+        object.__setattr__(self, "offset", finite_number("offset of angles", self.offset))
+
+    @classmethod
+    def of_keys(cls, told: Mapping[str, object]) -> Convention:
+        """Return what keys of a file, or options, say; None says nothing. InvalidInput for an unknown key or word."""
+        for key in told:
+            if key not in KEYS:
+                raise unknown_name("key of [data]", key, KEYS)
+        words = {name: str(told[name]) for name in ("angles", "frame") if told.get(name) is not None}
+        degrees = told.get("offset_deg")
+        return cls(**words, offset=0.0 if degrees is None else math.radians(finite_number("offset_deg", degrees)))
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether nothing is to be changed."""
+        return self == Convention()
+
+    @property
+    def sense(self) -> float:
+        """1 where angles grow counter-clockwise, else -1."""
+        return ANGLES[self.angles][0]
+
+    def theta(self, angle: Number) -> Number:
+        """Return the orientation, rad, of an angle of the data."""
+        sense, zero = ANGLES[self.angles]
+        return sense * angle + (zero + self.offset)
+
+    def place(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Return a place, or a vector, of the data in our frame."""
+        if self.frame == SWAPPED:
+            return y, x
+        return (x, -y) if self.frame == MIRRORED else (x, y)
+
+    def options(self) -> str:
+        """Return the options of the command line that say it.
+
+        >>> Convention("clockwise", "mirrored").options()
+        '--angles clockwise --frame mirrored'
+        """
+        told = [f"--angles {self.angles}"] if self.angles != "counter-clockwise" else []
+        told += [f"--frame {self.frame}"] if self.frame != RIGHT_HANDED else []
+        told += [f"--offset-deg {math.degrees(self.offset):.0f}"] if self.offset else []
+        return " ".join(told) or "--angles counter-clockwise --frame right-handed"
+
+    def words(self) -> str:
+        """Return what it says, in words."""
+        angle = "counter-clockwise from x" if self.angles == "counter-clockwise" else f"{self.angles} from x"
+        angle = "compass headings, clockwise from y" if self.angles == "compass" else f"{angle}, seen from above"
+        offset = f", {math.degrees(self.offset):.0f}° added" if self.offset else ""
+        return f"axes {self.frame}, angles {angle}{offset}"
+
+    def record(self, record: PushRecord | ScanRecord) -> PushRecord | ScanRecord:
+        """Return a recording in our convention."""
+        if self.is_ours:
+            return record
+        if isinstance(record, PushRecord):
+            poses, tips = self._series(record.object_pose, True), self._series(record.tip_pose, True)
+            return PushRecord(poses, tips, self._series(record.ft_wrench, False))
+        return ScanRecord(self._series(record.tip, True), self._series(record.ft_wrench, False))
+
+    def _series(self, table: Any, posed: bool) -> Any:
+        """Rows of time, x, y and an angle, or time, two forces and a torque."""
+        time, x, y, last = np.asarray(table).T
+        handed = 1.0 if self.frame == RIGHT_HANDED else -1.0
+        return np.column_stack([time, *self.place(x, y), self.theta(last) if posed else handed * last])
+
+    def direction(self, angle: float) -> float:
+        """Return the direction of a motion, rad, that data tell by its angle from their x towards their y."""
+        x, y = self.place(math.cos(angle), math.sin(angle))
+        return math.atan2(y, x)
+
+    def table(self, table: CsvTable) -> CsvTable:
+        """Return a table whose columns every reader takes in our convention; of other columns nothing changes.
+
+        What is no number stays as it is, for its reader to refuse.
+        """
+        if self.is_ours:
+            return table
+        return replace(table, rows=tuple(self._row(table, row) for row in table.rows))
+
+    def _row(self, table: CsvTable, row: CsvRow) -> CsvRow:
+        fields = dict(zip(table.header, row.fields, strict=True))
+        numbers = {name: float(text) for name, text in fields.items() if _is_number(text)}
+        for pair in _PAIRS:
+            if set(pair) <= set(numbers):
+                fields |= zip(pair, map(repr, self.place(*(numbers[name] for name in pair))), strict=True)
+        for name in (*_ORIENTATIONS, *_DEGREES):
+            if name in numbers:
+                scale = math.degrees(1.0) if name in _DEGREES else 1.0
+                fields[name] = repr(scale * self.theta(numbers[name] / scale))
+        for name in _TURNS:
+            if name in numbers:
+                fields[name] = repr(self.sense * numbers[name])
+        return CsvRow(row.line, tuple(fields[name] for name in table.header))
+
+
+OURS = Convention()
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def as_read_name(stem: str, told: Mapping[str, object]) -> str:
+    """Return the file name of a table brought to our convention: it says what was told of the one it was in.
+
+    >>> as_read_name("log", {"angles": "clockwise", "frame": None})
+    'log_clockwise_as_read.csv'
+    >>> written_convention("log_clockwise_as_read.csv")[0].angles
+    'clockwise'
+    """
+    words = [str(told[name]) for name in ("angles", "frame") if told.get(name)]
+    words += [f"plus{told['offset_deg']}deg"] if told.get("offset_deg") else []
+    return "_".join((stem, *words)) + AS_READ
+
+
+def written_convention(data: str | Path) -> tuple[Convention, bool]:
+    """Return the convention in which data were written before anything was done to them, and whether all was told."""
+    name = Path(data).name
+    told: dict[str, object] = dict(data_table(data))
+    if name.endswith(AS_READ):
+        found = _NAMED_LAST.search(name)
+        assert found is not None
+        told = {key: value for key, value in zip(KEYS, found.groups(), strict=True) if value}
+        if "offset_deg" in told:
+            told["offset_deg"] = float(str(told["offset_deg"]))
+    return Convention.of_keys(told), {"angles", "frame"} <= set(told)
+
+
+def convention_of(
+    data: str | Path, angles: str | None = None, frame: str | None = None, offset_deg: float | None = None
+) -> Convention:
+    """Return the convention of data: what is told, else what the table [data] of their folder's collection.toml says.
+
+    A file that was brought to ours already, as its name tells, is in ours. Raises InvalidInput for an unknown word.
+    """
+    told = {"angles": angles, "frame": frame, "offset_deg": offset_deg}
+    if Path(data).name.endswith(AS_READ):
+        return Convention.of_keys(told)
+    given = {name: value for name, value in told.items() if value is not None}
+    return Convention.of_keys({**data_table(data), **given})

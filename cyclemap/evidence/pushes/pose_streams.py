@@ -1,0 +1,306 @@
+"""A stream of one object's poses cut into pushes and drags back: by what noise lets one see, and by what motions are.
+
+A drag ends with the ring at the target, wherever the object's centre comes to lie: of all rests those are before a push
+from which one place of the object is always at one place of the world. A rest between two of them is a push's end, and
+so the pause of a robot in the middle of a stroke is none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from cyclemap.arrays import Array, Mask
+from cyclemap.errors import DataFileError
+
+# Half windows, s, in which poses are averaged before and after a moment: the shortest that noise allows is taken.
+_WINDOWS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+# How far means before and after a moment lie apart where a motion is seen, and where it ends: in standard deviations of
+# noise, and as shares of what the faster motions show.
+_SEEN, _ENDED, _SEEN_SHARE, _ENDED_SHARE = 4.0, 2.4, 0.3, 0.1
+# Noise that nobody has (m), turns as lengths (m per rad), and how much faster than noise motions have to be.
+_LEAST_NOISE, _LEVER, _CLEAR = 2e-5, 0.03, 2.0
+# What moves less (m, with turns by the lever) between two rests has not moved.
+_LEAST_MOTION = 6e-3
+# Rests are averaged over so many seconds, and that share of their length, before and after their middle.
+_AVERAGED, _MIDDLE = 1.0, 0.3
+# The ring's places agree within so many standard deviations of a rest, or that far (m).
+_AGREE, _AGREE_LEAST = 5.0, 2e-3
+# Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left out.
+_FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+# Where more rests than this share have the ring at one place, none tells it; then those are home that lie near the
+# first, as a share of how far the others are.
+_ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
+# Pushes, or drags, whose motion is further from the median of its kind than this share of it are of neither kind.
+_ALIKE = 0.35
+
+
+class UnclearStream(DataFileError):
+    """A stream of poses that does not come apart into pushes and drags: with what was seen, for a picture."""
+
+    def __init__(self, message: str, seen: Segments) -> None:
+        super().__init__(message)
+        self.seen = seen
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """A stream, and how it was cut.
+
+    t, x, y, theta : (n,) s, m, rad (unwrapped). rests : (r, 2) first and last sample of each rest. pushes : (k, 2) the
+    rests between which each push lies, whole pauses within it; numbers : (k,) of their cycles, gaps where something
+    between is unclear. unclear : (u, 2) the rests between which motions make no push and drag.
+    """
+
+    t: Array
+    x: Array
+    y: Array
+    theta: Array
+    rests: Array
+    pushes: Array
+    numbers: Array
+    unclear: Array
+    words: str
+
+
+def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array], Segments]:
+    """Return the poses before and after each push, by the names of `read_push_csv`, and how the stream was cut.
+
+    stream : t, theta, and x, y where known. Poses are means over the rests beside the motions. Raises UnclearStream
+    where too many motions are neither a push nor a drag, or where there is no telling one from the other.
+    """
+    t, theta = stream["t"], np.unwrap(stream["theta"])
+    zero = np.zeros(t.size)
+    x, y = stream.get("x", zero), stream.get("y", zero)
+    rests, noise = _rests(path, t, x, y, theta)
+    poses = np.array([_mean_pose(t, x, y, theta, rest) for rest in rests])
+    if len(rests) < 2:
+        raise DataFileError(f"{path}: no push in it: its object never moves, or never rests")
+    counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
+    errors = noise / np.sqrt(counts)
+    cut, unclear, number, words = _cycles(poses, errors)
+    found = Segments(t, x, y, theta, rests, cut, number, unclear, words)
+    if len(cut) < 2 or len(unclear) > _MOST_UNCLEAR * (len(cut) + len(unclear)):
+        listed = ", ".join(f"{t[rests[a][1]]:.4g} to {t[rests[b][0]]:.4g} s" for a, b in unclear[:3])
+        told = f"{len(rests) - 1} motions between rests, {len(cut)} of them pushes and {len(unclear)} stretches unclear"
+        mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
+        raise UnclearStream(f"{path}: {told}{f' ({listed})' if listed else ''}: {mend}", found)
+    columns = {"repetition": number.astype(float)}
+    for end in (0, 1):
+        columns |= dict(zip((f"x{end}", f"y{end}", f"theta{end}"), poses[cut[:, end]].T, strict=True))
+    return columns, found
+
+
+def _mean_pose(t: Array, x: Array, y: Array, theta: Array, rest: Array) -> Array:
+    """The mean pose of a rest in its middle: at its ends motion may hide in the noise."""
+    first, last = int(rest[0]), int(rest[1]) + 1
+    middle = 0.5 * (t[first] + t[last - 1])
+    near = np.abs(t[first:last] - middle) <= min(_AVERAGED, _MIDDLE * (t[last - 1] - t[first]))
+    near = near if near.any() else np.ones(near.size, dtype=bool)
+    return np.array([one[first:last][near].mean() for one in (x, y, theta)])
+
+
+# -- rests -------------------------------------------------------------------------------------------------------------
+
+
+def _rests(path: Path, t: Array, x: Array, y: Array, theta: Array) -> tuple[Array, float]:
+    """First and last sample of each rest, and the noise of a pose (m, turns by the lever)."""
+    courses = np.stack([x, y, _LEVER * theta])
+    # Second differences see no steady motion; their median absolute deviation sees no jump.
+    noise = max(_LEAST_NOISE, _noise(courses))
+    rate = 1.0 / max(float(np.median(np.diff(t))), 1e-6)
+    for window in _WINDOWS:
+        half = max(1, round(window * rate))
+        change = _change(courses, half)
+        moves = float(np.quantile(change, 0.8))
+        seen = _SEEN * noise * math.sqrt(2.0 / half)
+        if moves > _CLEAR * seen:
+            break
+    else:
+        told = f"its noise of {1e3 * noise:.2g} mm hides its motions"
+        raise DataFileError(f"{path}: {told}: give poses before and after each push, or smoother ones")
+    low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
+    moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (~moving).astype(np.int8), [0]])))
+    rests = np.stack([edges[::2], edges[1::2] - 1], axis=-1)
+    return _joined(np.asarray(rests), t, x, y, theta), noise
+
+
+def _noise(courses: Array) -> float:
+    """The standard deviation of one sample's errors, from second differences."""
+    second = np.abs(np.diff(courses, n=2, axis=1))
+    return (
+        float(max(np.median(one[one > 0.0]) if (one > 0.0).mean() > 0.5 else 0.0 for one in second)) / 0.6745 / 6**0.5
+    )
+
+
+def _change(courses: Array, half: int) -> Array:
+    """How far the mean after each sample lies from the mean before it, (n,), m."""
+    means = uniform_filter1d(courses, half, axis=1, mode="nearest")
+    # A filter of this length is centred: its mean before a sample ends there.
+    ahead, behind = np.roll(means, -(half - half // 2), axis=1), np.roll(means, half // 2 + 1, axis=1)
+    ahead[:, -half:], behind[:, : half + 1] = means[:, -1:], means[:, :1]
+    return np.asarray(np.sqrt(((ahead - behind) ** 2).sum(axis=0)))
+
+
+def _hysteresis(change: Array, high: float, low: float) -> Mask:
+    """Where a stretch above `low` is above `high` somewhere."""
+    above = change > low
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], above.astype(np.int8), [0]])))
+    found = np.zeros(change.size, dtype=bool)
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        found[first:last] = bool((change[first:last] > high).any())
+    return found
+
+
+def _joined(rests: Array, t: Array, x: Array, y: Array, theta: Array) -> Array:
+    """The rests, those between which nothing moved made one."""
+    kept: list[list[int]] = []
+    before: Array | None = None
+    for rest in rests:
+        pose = _mean_pose(t, x, y, theta, rest)
+        if before is not None:
+            moved = math.hypot(*(pose - before)[:2], _LEVER * float((pose - before)[2]))
+            if moved < _LEAST_MOTION:
+                kept[-1][1] = int(rest[1])
+                before = _mean_pose(t, x, y, theta, np.array(kept[-1]))
+                continue
+        kept.append([int(rest[0]), int(rest[1])])
+        before = pose
+    return np.array(kept, dtype=int).reshape(-1, 2)
+
+
+# -- cycles ------------------------------------------------------------------------------------------------------------
+
+
+def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
+    """Pushes as pairs of rests, unclear stretches likewise, the numbers of the pushes, and what was seen, in words."""
+    home, sense = _home(poses, errors)
+    if home is None:
+        return _in_turn(poses)
+    where = np.flatnonzero(home)
+    spans = [(int(a), int(b)) for a, b in zip(where, [*where[1:], len(poses) - 1], strict=True) if b > a]
+    last_is_open = not home[-1]
+    if not last_is_open:
+        spans = [span for span in spans if home[span[1]]]
+    motions = {span: _motion(poses, *span, sense) for a, b in spans for span in [(a, k) for k in range(a + 1, b + 1)]}
+    clean = np.array([motions[(a, a + 1)] for a, b in spans if b == a + 2 and home[b]])
+    if not len(clean):
+        return np.zeros((0, 2), dtype=int), np.array(spans, dtype=int).reshape(-1, 2), np.zeros(0), "no push is clear"
+    usual = np.median(clean, axis=0)
+    backs = np.array([_motion(poses, a + 1, b, sense) for a, b in spans if b == a + 2 and home[b]])
+    back, limit, limit_back = np.median(backs, axis=0), _spread(clean), _spread(backs)
+    pushes, unclear, numbers, paused = [], [], [], 0
+    # What is unclear is a number left out, so that nothing is taken to follow across it.
+    for number, (first, last) in enumerate(spans):
+        open_end = last == len(poses) - 1 and last_is_open
+        ends = range(first + 1, last + (1 if open_end else 0))
+        away = {end: float(np.linalg.norm(motions[(first, end)] - usual)) for end in ends}
+        end = min(away, key=lambda rest: away[rest], default=0)
+        # Two cycles with an unseen rest between them begin with a push, too.
+        closed = open_end or np.linalg.norm(_motion(poses, end, last, sense) - back) <= limit_back
+        if away and away[end] <= limit and closed:
+            pushes.append((first, end))
+            numbers.append(number)
+            paused += last - first > 2
+        elif not open_end:
+            unclear.append((first, last))
+    words = f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the ring is at the target"
+    words += f", {paused} of them or of their drags with a pause" if paused else ""
+    words += f"; left out, as neither push nor drag: {len(unclear)} stretches" if unclear else ""
+    return (
+        np.array(pushes, dtype=int).reshape(-1, 2),
+        np.array(unclear, dtype=int).reshape(-1, 2),
+        np.array(numbers),
+        words,
+    )
+
+
+def _spread(motions: Array) -> float:
+    """How far from their median motions of one kind may lie: a share of its size, or where most of them do."""
+    middle = np.median(motions, axis=0)
+    off = np.linalg.norm(motions - middle, axis=1)
+    return max(_ALIKE * float(np.linalg.norm(middle)), 2.0 * float(np.quantile(off, 0.8)))
+
+
+def _motion(poses: Array, first: int, last: int, sense: float = 1.0) -> Array:
+    """A motion between two rests in the object's frame at its begin: dx, dy (m), turn by the lever (m).
+
+    sense : -1 where angles grow from y to x of the places.
+    """
+    dx, dy, turn = poses[last] - poses[first]
+    c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])
+    return np.array([c * dx + s * dy, c * dy - s * dx, _LEVER * turn])
+
+
+def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
+    """Which rests have the ring at the target, and the sense of angles in which they have.
+
+    None where no place of the object is again and again at one place of the world.
+
+    The ring h and the target c solve p + R(theta) h = c; two rests tell them, and those that most agree with are
+    taken. Ends of pushes that are all alike agree with a ring of their own, but one farther from the object's centre.
+    """
+    if len(poses) < 5:
+        return None, 1.0
+    generator, found = np.random.default_rng(0), []
+    limit = np.maximum(_AGREE * errors, _AGREE_LEAST)
+    for sense in (1.0, -1.0):
+        angle = sense * poses[:, 2]
+        rows = np.zeros((len(poses), 2, 4))
+        rows[:, 0, 0], rows[:, 0, 1], rows[:, 1, 0], rows[:, 1, 1] = (
+            np.cos(angle),
+            -np.sin(angle),
+            np.sin(angle),
+            np.cos(angle),
+        )
+        rows[:, 0, 2] = rows[:, 1, 3] = -1.0
+        for _ in range(400):
+            pair = generator.choice(len(poses), 2, replace=False)
+            solved, *_ = np.linalg.lstsq(rows[pair].reshape(4, 4), -poses[pair, :2].ravel(), rcond=None)
+            agree = np.hypot(*(np.einsum("nij,j->ni", rows, solved) + poses[:, :2]).T) < limit
+            if agree.sum() >= max(3, _FEWEST_HOME * len(poses)):
+                again, *_ = np.linalg.lstsq(rows[agree].reshape(-1, 4), -poses[agree, :2].ravel(), rcond=None)
+                agree = np.hypot(*(np.einsum("nij,j->ni", rows, again) + poses[:, :2]).T) < limit
+                found.append((int(agree.sum()), -math.hypot(*again[:2]), agree, sense))
+    if not found:
+        return None, 1.0
+    most = max(count for count, *_ in found)
+    # Of those that explain nearly as many the ring nearest to the centre.
+    near = [entry for entry in found if entry[0] >= 0.7 * most]
+    home, sense = max(near, key=lambda entry: (round(entry[1], 3), entry[0]))[2:]
+    if home.mean() > _ALL_HOME:
+        # Locked in: from two poses again and again no ring can be told, and the first one is taken as a push's begin.
+        return _like_the_first(poses), sense
+    return home, sense
+
+
+def _like_the_first(poses: Array) -> Mask:
+    """Which poses lie near to the first, beside how far the others are."""
+    places = np.column_stack([poses[:, :2], _LEVER * np.cos(poses[:, 2]), _LEVER * np.sin(poses[:, 2])])
+    away = np.linalg.norm(places - places[0], axis=1)
+    centre = np.median(places[away < 0.5 * np.median(away[away > 0.5 * away.max()])], axis=0)
+    off = np.linalg.norm(places - centre, axis=1)
+    return np.asarray(off < _NEAR_THE_FIRST * np.median(off[off > 0.5 * off.max()]))
+
+
+def _in_turn(poses: Array) -> tuple[Array, Array, Array, str]:
+    """Every other motion a push, where the two kinds separate; else none."""
+    motions = np.array([_motion(poses, number, number + 1) for number in range(len(poses) - 1)])
+    kinds = motions[::2], motions[1::2]
+    nobody = np.zeros((0, 2), dtype=int)
+    if len(motions) < 2:
+        return nobody, nobody, np.zeros(0), "one motion"
+    medians = [np.median(kind, axis=0) for kind in kinds]
+    apart = float(np.linalg.norm(medians[0] - medians[1]))
+    off = [np.linalg.norm(kind - middle, axis=1) for kind, middle in zip(kinds, medians, strict=True)]
+    if max(float(one.max()) for one in off) > 0.5 * apart:
+        return nobody, np.array([(0, len(poses) - 1)]), np.zeros(0), "motions do not come in two kinds"
+    first = np.arange(0, len(motions), 2)
+    words = f"{len(motions)} motions between rests, of two kinds in turn: the first and every other one a push"
+    return np.stack([first, first + 1], axis=-1), nobody, np.arange(float(first.size)), words

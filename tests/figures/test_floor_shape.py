@@ -1,0 +1,34 @@
+"""The figure of the floor's shape: what its caption claims."""
+
+import numpy as np
+import pytest
+
+from cyclemap.figures import floor_shape
+from cyclemap.figures.catalogue import MeasuredFolder
+
+NAME = "floor-shape"
+
+
+def test_a_flat_floor_with_friction_alike_all_around_turns_every_cycle_alike(result) -> None:
+    assert np.ptp(result.floors[0].turn) < 1e-6
+
+
+def test_a_floors_shape_alone_makes_even_harmonics_only(result) -> None:
+    trough = result.floors[2]
+    assert trough.harmonic(2) > np.radians(10.0)
+    assert max(trough.harmonic(1), trough.harmonic(3)) < 1e-6
+
+
+def test_on_a_trough_the_plate_rests_on_what_lies_far_out_along_y(result) -> None:
+    for pressure in result.resting:
+        middle = pressure.shape[0] // 2
+        assert np.nanmax(pressure[middle - 10 : middle + 10]) == 0.0
+        assert np.nanmax(pressure[: middle // 2]) > 1.0
+
+
+def test_the_trough_explains_more_of_the_measured_turns_than_the_ellipse() -> None:
+    measured = MeasuredFolder.found()
+    if measured.find("plywood_rect1_theta0_2000.csv") is None:
+        pytest.skip("no measured data: set CYCLEMAP_DATA")
+    flat, ellipse, trough = floor_shape.compute(measured).floors
+    assert np.degrees([flat.miss, ellipse.miss, trough.miss]).round(1).tolist() == [12.3, 17.5, 6.9]
