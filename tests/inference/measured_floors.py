@@ -148,7 +148,9 @@ def make(target: Path) -> None:
     third = fitted("plywood", (10, 20), drags=True, shapes=[one for one in plates if one is not None]).material
     for material in (third, second):
         (target / f"{material.name}.toml").write_text(material_toml(material))
-    lines = [f"[plates.{one.plate}]\n" + "".join(f"{k} = {v:.3g}\n" for k, v in one.numbers.items()) for one in plates if one]
+    lines = [
+        f"[plates.{one.plate}]\n" + "".join(f"{k} = {v:.3g}\n" for k, v in one.numbers.items()) for one in plates if one
+    ]
     (target / "plates.toml").write_text("\n".join(lines))
 
 

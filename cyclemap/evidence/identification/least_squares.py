@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
-from cyclemap.evidence.identification.data_block import JointProblem, Progress, part_of
+from cyclemap.evidence.identification.data_block import BELIEF_KINDS, JointProblem, Progress, part_of
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9
@@ -25,6 +25,8 @@ NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
 # of their standard errors. While it still changes more, fits need not be close; later they may be off by a twentieth of
 # what the deviance changes by at a standard error, a share of the rows.
 _NOISE_TOLERANCE, _ROUGH = 5e-3, 0.05
+# What few sessions tell of how they differ counts less by this factor.
+_LOOSE = 0.1
 _FIRST, _LATER, _OFF = 1e-2, 1e-5, 0.05
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
@@ -129,11 +131,12 @@ class Search:
         if self.floor is None:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
+        told = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
         tolerance, close = _FIRST, float(np.clip(_OFF / index.size, _LATER, 10.0 * _LATER))
         for _ in range(_ROUNDS):
             fit = self.minimise(vector, noise, tolerance)
             vector, new = fit.vector, self.estimated_noise(fit, self.floor)
-            change, noise = float(np.max(np.abs(np.log(new / noise)))), new
+            change, noise = float(np.max(np.abs(np.log(new / noise)) * told)), new
             if tolerance == close and change < _NOISE_TOLERANCE:
                 break
             if change < _ROUGH:
