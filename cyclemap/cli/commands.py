@@ -280,6 +280,7 @@ command(
     option(
         "--plate", metavar="PLATE", multiple=True, help="A plate of known shape: a name or a TOML file; repeatable."
     ),
+    option("--target-mm", metavar="X,Y", help="Where resets end: the floor's shape may vary with the place about it."),
     option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]"),
     option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
     option("--wear", is_flag=True, help="Let the friction change over the cycles."),

@@ -56,9 +56,10 @@ NOTHING = "–"
 
 def run_identify(
     data: Sequence[Path], table: TableOptions, select: tuple[str, ...], protocol: Path | None,
-    settings: tuple[str, ...], start: str | None, floor: str | None, plate: tuple[str, ...], free: str | None,
-    fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None, folds: int | None,
-    student: float, starts: int, seed: int, force: bool, out: Path, picture_format: str, json_target: str | None,
+    settings: tuple[str, ...], start: str | None, floor: str | None, plate: tuple[str, ...], target_mm: str | None,
+    free: str | None, fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None,
+    folds: int | None, student: float, starts: int, seed: int, force: bool, out: Path, picture_format: str,
+    json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
@@ -68,6 +69,7 @@ def run_identify(
     begin = start if floor is None else floor
     surface, fixed = None if begin is None else load_material(begin), fixed_values(fix)
     known = None if floor is None else surface
+    target = None if target_mm is None else target_place(target_mm)
     shapes = tuple(shape for one in plate for shape in load_plates(one))
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
@@ -75,18 +77,19 @@ def run_identify(
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data, loop, chosen, first=first, wear=wear, most=most, progress=report,
-            push_length=loop.push.distance if "push_mm" in told else None, population=known is not None,
+            push_length=loop.push.distance if "push_mm" in told else None, population=known is not None, target=target,
         )  # fmt: skip
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
     named = named or tuple(one for one in telling_parameters(collected.blocks) if one not in fixed)
+    held = held_values(collected.blocks, space, named, known)
     beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
     with progress_bar("identifying") as report:
         found = identify(
             collected.blocks,
             named,
-            held_values(collected.blocks, space, named) | {key: at for key, at in fixed.items() if key not in named},
+            held | {key: at for key, at in fixed.items() if key not in named},
             priors={} if no_priors else beliefs,
             noise=known_spread(known, collected.blocks),
             folds=folds if folds is not None else min(5, groups) if groups > 1 else 0,
@@ -143,6 +146,19 @@ def _conclude(
     following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
     for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
         console.print(line, end="\n" if line else "")
+
+
+def target_place(text: str) -> tuple[float, float]:
+    """The place (m) of a text such as `350,-30`, mm.
+
+    >>> target_place("350, -30")
+    (0.35, -0.03)
+    """
+    try:
+        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
+    except ValueError as cause:
+        raise InvalidInput(f"--target-mm {text!r} is not of the form x,y, such as 350,-30") from cause
+    return x, y
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:

@@ -46,6 +46,7 @@ def run_replay(
             frames=material.frames,
             floor=material.floor,
             sessions=material.sessions,
+            field=material.field,
             select=selected_values(select),
             progress=report,
         )

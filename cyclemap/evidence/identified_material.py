@@ -21,6 +21,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
     SurfaceParameters,
+    floor_field,
     owned_shapes,
 )
 from cyclemap.evidence.laws.linear_fit import student_quantile
@@ -278,6 +279,7 @@ def identified_material(
         floor=floors.get("", FLAT),
         sessions=_joined(before.sessions, sessions, "name"),
         session_spread=found.session_spread,
+        field=floor_field(found.values),
     )
     return replace(material, posterior=_posterior(found, material, plate, seed, before.posterior))
 

@@ -37,7 +37,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     push_end_block,
 )
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of, session_block
-from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE
+from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, PLATE_NAMES, SURFACE
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -46,6 +46,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     NO_LENGTH,
     PUSH_END_COLUMNS,
     MeasuredPush,
+    Place,
     RowSelection,
     pushes_of,
     read_measured_drags,
@@ -85,7 +86,7 @@ _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
 # A session whose robot was this far from where it was sent (m), and so many times further than in others, is odd.
-_ASTRAY, _TIMES = 5e-4, 3.0
+_ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
@@ -140,9 +141,17 @@ class BlockBuilder:
     """
 
     def __init__(
-        self, loop: CollectionLoop, first: int, wear: bool, most: int, nodes: int, push_length: float | None
+        self,
+        loop: CollectionLoop,
+        first: int,
+        wear: bool,
+        most: int,
+        nodes: int,
+        push_length: float | None,
+        target: Place | None = None,
     ) -> None:
         self.given, self.first, self.wear, self.most, self.nodes = loop, first, wear, most, nodes
+        self.target = target
         self.push_length = math.nan if push_length is None else push_length
         self.path, self.plate, self.loop = Path(), loop.slider.name, loop
         self.session, self.known_sessions = "", dict[tuple[str, str], Path]()
@@ -348,7 +357,7 @@ class BlockBuilder:
     def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
         kept = _thinned(pushes, self.most)
         if kept:
-            self._add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
+            self._add(push_end_block(kept, self.loop.slider, self.target), f"{_counted(kept, pushes)} push ends")
 
     def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
@@ -363,7 +372,7 @@ class BlockBuilder:
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
             kept = _thinned(drags, self.most)
-            self._add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
+            self._add(drag_turn_block(kept, self.loop.slider, self.target), f"{_counted(kept, drags)} drag-backs")
         else:
             outline = self.loop.slider.outline
             data = read_wrench_twists(table, rows, outline.extent)
@@ -436,6 +445,7 @@ def collected_blocks(
     nodes: int = NODES,
     push_length: float | None = None,
     population: bool = False,
+    target: Place | None = None,
     progress: Progress | None = None,
 ) -> CollectedBlocks:
     """Return the blocks of all data in files, folders and trees.
@@ -449,6 +459,8 @@ def collected_blocks(
     first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
     push_length : how far the rod of pushes went from its first touch, m, where tables of poses do not tell; None leaves
         the ends of such pushes out.
+    target : m, in the frame of the data, where resets end: how the floor's shape varies with the place about it is then
+        an unknown of pushes and drags.
     population : whether the floor is known from other sessions, so that a single one is one of several.
     most : strokes of one sort in a session, at most: beyond, every so many-th is taken. nodes : see `cycle_pair_block`;
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
@@ -467,7 +479,7 @@ def collected_blocks(
     elif loop.slider.name not in MIT_SHAPE_NAMES:
         objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
     selection = RowSelection(objects, chosen)
-    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes, push_length)
+    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes, push_length, target)
     found = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in found for file in known))
     unused = list(dict.fromkeys(file for _, others in found for file in others))
@@ -497,8 +509,8 @@ def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
 
     Shapes of floor and plates, the rod, how each data set's frame is shifted, friction in the ring with drags or
-    cycles, and how the surface wears; the friction ellipse where scans or cycles tell it: what single pushes and drags
-    see is explained by shapes.
+    cycles, how the surface wears, and, of four sessions and more, how the floor's shape varies with the place; the
+    friction ellipse where scans or cycles tell it: what single pushes and drags see is explained by shapes.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
@@ -509,4 +521,6 @@ def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
     free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
+    if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
+        free += [name for name in FIELD_NAMES if name in asked]
     return (*free, *sorted(name for name in asked if name.startswith("worn_")))

@@ -17,14 +17,18 @@ from cyclemap.collection.settings import mean_pressure, with_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
+    FIELD,
+    FIELD_REACH,
     FLOOR_NAMES,
     FRICTION_NAMES,
     PLATE_NAMES,
     SURFACE,
     Parameter,
     SurfaceParameters,
+    field_factors,
+    floor_field,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
 from cyclemap.mechanics import (
     FoundWith,
     Material,
@@ -37,6 +41,7 @@ from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, derivative
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
 from cyclemap.mechanics.first_touch import first_touches
+from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.quasi_static import run_strokes
 
 Rows = tuple[Array, Array]
@@ -62,42 +67,65 @@ NODES = 48
 CYCLE_ACCURACY = 1e-6
 
 
-def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> DataBlock:
+def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, target: Place | None = None) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
-    the object's poses.
+    the object's poses; with a target (m, where resets end), also how the floor's shape varies with the place about it.
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
 
     def misfit(strokes: Sequence[MeasuredPush], values: Values) -> Rows:
         surface = SurfaceParameters.from_values(values)
         shift = (values["tip_offset_x"], values["tip_offset_y"])
-        ends, by = predicted_push_ends(surface_model(surface, slider), strokes, shift, names)
-        jacobian = np.concatenate([surface.chain(by[..., :-2], names, PUSH_UNKNOWNS), by[..., -2:]], axis=-1)
+        model = surface_model(surface, slider, field=floor_field(values))
+        ends, by = predicted_push_ends(model, strokes, shift, names, target)
+        own_columns = by[..., len(names) :]
+        jacobian = np.concatenate([surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1)
         return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
-    parameters = (*PUSH_UNKNOWNS, *(one.name for one in TIP_OFFSET))
-    return _stroke_block("push ends", parameters, pushes, misfit, kinds, TIP_OFFSET)
+    own = TIP_OFFSET if target is None else (*FIELD, *TIP_OFFSET)
+    parameters = (*PUSH_UNKNOWNS, *(one.name for one in own))
+    return _stroke_block("push ends", parameters, pushes, misfit, kinds, own)
 
 
-def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> DataBlock:
-    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
+def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place | None = None) -> DataBlock:
+    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended.
+
+    target : as of `push_end_block`.
+    """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pin_friction_radius")
 
     def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> Rows:
         surface = SurfaceParameters.from_values(values)
-        model, courses = surface_model(surface, slider), []
+        model, courses, places = surface_model(surface, slider, field=floor_field(values)), [], []
+        x0, y0 = target or (0.0, 0.0)
         for drag in strokes:
-            goal = (drag.end.to_world(*slider.hitch),)
-            courses.append(model.course(model.drag_strokes(goal, surface.pin_friction_radius), drag.start))
+            begin = Pose(drag.start.x - x0, drag.start.y - y0, drag.start.theta)
+            x, y = drag.end.to_world(*slider.hitch)
+            goal = (x - x0, y - y0)
+            courses.append(model.course(model.drag_strokes((goal,), surface.pin_friction_radius), begin))
+            way = np.array(goal) - begin.to_world(*slider.hitch)
+            places.append(begin.to_world(*slider.outline.centroid) + 0.5 * way)
         ran = run_strokes(courses, len(PARAMETERS))
         by = _by_names(model, names, ran.derivatives[:, 5:6])
         measured = np.array([drag.end.theta for drag in strokes])
-        return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, DRAG_UNKNOWNS)
+        parts = [surface.chain(by, names, DRAG_UNKNOWNS)]
+        parts += [] if target is None else [_by_field(by, names, np.array(places))]
+        return (ran.ended[:, 2] - measured)[:, None], np.concatenate(parts, axis=-1)
 
-    return _stroke_block("drag-backs", DRAG_UNKNOWNS, drags, misfit, ("drag turn (rad)",))
+    own = () if target is None else FIELD
+    parameters = (*DRAG_UNKNOWNS, *(one.name for one in own))
+    return _stroke_block("drag-backs", parameters, drags, misfit, ("drag turn (rad)",), own)
+
+
+def _by_field(by: Array, names: tuple[str, ...], places: Array) -> Array:
+    """Derivatives (n, m, 9) by the floor's heights, at places (n, 2), m from the target; `by` (n, m, k) by names."""
+    reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
+    terms = np.array([reaching.terms_at((x, y)) for x, y in places.tolist()])
+    by_floor = by[..., [names.index(name) for name in FLOOR_NAMES]]
+    return np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
 
 
 def _stroke_block(
@@ -132,10 +160,12 @@ def _stroke_block(
     return DataBlock(name, parameters, whole, groups, kinds, own_parameters, part, motions)
 
 
-def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
-    """Return the model of a slider on a surface, both of the shapes that the surface says."""
+def surface_model(
+    surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY, field: FloorField | None = None
+) -> QuasiStaticModel:
+    """Return the model of a slider on a surface, of the shapes that the surface says; field : of the floor, kPa."""
     rod = Pusher(friction=surface.pusher_friction)
-    return QuasiStaticModel(slider, surface.to_friction(), rod, surface.footprint(slider), accuracy)
+    return QuasiStaticModel(slider, surface.to_friction(), rod, surface.footprint(slider, field), accuracy)
 
 
 def predicted_push_ends(
@@ -143,14 +173,16 @@ def predicted_push_ends(
     pushes: Sequence[MeasuredPush],
     shift: tuple[float, float] = (0.0, 0.0),
     names: tuple[str, ...] = (),
+    target: Place | None = None,
 ) -> Rows:
     """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), and derivatives (n, 3, k + 2).
 
-    These are by `names` of the mechanics and by both components of the shift. An object that the rod does not touch
-    stays.
+    These are by `names` of the mechanics, with a target by the floor's heights, and by both components of the shift. An
+    object that the rod does not touch stays. target : m, from which a floor's shape that varies with the place is told.
     """
+    origin, heights = np.array(target or (0.0, 0.0)), 0 if target is None else len(FIELD)
     ends = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
-    by, theta = np.zeros((len(pushes), 3, len(names) + 2)), ends[:, 2]
+    by, theta = np.zeros((len(pushes), 3, len(names) + heights + 2)), ends[:, 2]
     c, s = np.cos(theta), np.sin(theta)
     direction, length = np.array([(push.direction, push.length) for push in pushes]).T
     x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
@@ -170,11 +202,21 @@ def predicted_push_ends(
         for index, at, toward, far in np.column_stack([piece, coordinate, direction - theta, way])[touched].tolist()
     ]
     both = list(zip(strokes, theta[touched].tolist(), strict=True))
-    ran = run_strokes([model.course(one, Pose(theta=angle)) for one, angle in both], len(PARAMETERS))
-    ends[touched, :2] += model.unit * ran.pushed[:, :2]
+    places = (ends[touched, :2] - origin).tolist()
+    begins = [Pose(*place, angle) for place, (_, angle) in zip(places, both, strict=True)]
+    courses = [model.course(one, begin) for (one, _), begin in zip(both, begins, strict=True)]
+    ran = run_strokes(courses, len(PARAMETERS))
+    ends[touched, :2] = model.unit * ran.pushed[:, :2] + origin
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
-    by[touched, :, :-2] = _by_names(model, names, found)
+    by[touched, :, : len(names)] = _by_names(model, names, found)
+    if heights:
+        # A quarter of the way ahead, as the engine takes it.
+        along = (
+            0.25 * model.unit * way[touched, None] * np.column_stack([np.cos(direction), np.sin(direction)])[touched]
+        )
+        middles = [begin.to_world(*model.slider.outline.centroid) for begin in begins]
+        by[touched, :, len(names) : -2] = _by_field(by[touched, :, : len(names)], names, middles + along)
     starting = np.array([_by_shift(model, *one) for one in both])
     by[touched, :, -2:] = found[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
     return ends, by

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, Parameter, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, Parameter, ParameterSpace
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
@@ -37,6 +37,7 @@ USUAL = MappingProxyType(
         "offset_y": (0.0, 0.15),
         "pusher_friction": (0.15, 0.05),
         **{f"{worn}floor_{name}": (0.0, 8.0) for worn in ("", "worn_") for name in ("dome", "bow_x", "bow_y")},
+        **dict.fromkeys(FIELD_NAMES, (0.0, 2.0)),
         **{f"plate_{name}": (0.0, 6.0) for name in ("dome", "warp_x", "warp_y")},
         "pin_friction_radius": (1.5e-3, 1e-3),
         "tip_offset_x": (0.0, 1.5e-3),

@@ -7,7 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from cyclemap.evidence.identification.data_block import SESSION_KINDS, DataBlock
-from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD_NAMES,
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    ParameterSpace,
+    field_factors,
+)
 from cyclemap.mechanics import Material, PlatePressure
 
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
@@ -71,7 +77,14 @@ def known_shapes(plates: Sequence[PlatePressure], blocks: Sequence[DataBlock], p
     return values
 
 
-def held_values(blocks: Sequence[DataBlock], space: ParameterSpace, free: Sequence[str]) -> dict[str, float]:
-    """Return the values of the friction ellipse that is held, as the space has them."""
+def held_values(
+    blocks: Sequence[DataBlock], space: ParameterSpace, free: Sequence[str], floor: Material | None = None
+) -> dict[str, float]:
+    """Return the values of what is held: the friction ellipse, as the space has it, and how a floor's shape varies."""
     asked = {name for block in blocks for name in block.parameters} - {*free}
-    return {name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]}
+    values = {name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]}
+    heights = np.zeros(len(FIELD_NAMES))
+    if floor is not None and floor.field is not None:
+        factors = field_factors().reshape(-1, len(FIELD_NAMES))
+        heights = np.linalg.lstsq(factors, np.ravel(floor.field.coefficients), rcond=None)[0]
+    return values | {name: height for name, height in zip(FIELD_NAMES, heights.tolist(), strict=True) if name in asked}

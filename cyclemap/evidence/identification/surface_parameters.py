@@ -29,11 +29,16 @@ from cyclemap.mechanics import (
     Slider,
     SurfaceShape,
 )
-from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.foundation import FLAT, FloorField
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 FLOOR_NAMES = ("floor_dome", "floor_bow_x", "floor_bow_y")
 PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
+# How a floor's shape varies with the place: factors of X^m Y^n of one height, from the reset's target on, in 50 mm.
+HEIGHT_POWERS = ((3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (3, 1), (2, 2), (1, 3), (0, 4))
+FIELD_NAMES = tuple(f"floor_h{m}{n}" for m, n in HEIGHT_POWERS)
+# Beyond this from the target (m) pushes are too few to tell it: the shape stays what it is there.
+FIELD_REACH = 0.025
 # Beyond this, kPa at 50 mm, a foundation of steel plates is as good as rigid.
 _RIGID = 60.0
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
@@ -166,6 +171,38 @@ SURFACE = ParameterSpace(
 )
 
 
+FIELD = tuple(
+    Parameter(name, f"height of the floor that goes with X^{m} Y^{n}, {_AT}", "kPa", -_RIGID, _RIGID, 0.0, 2.0)
+    for name, (m, n) in zip(FIELD_NAMES, HEIGHT_POWERS, strict=True)
+)
+
+
+def field_factors() -> Array:
+    """Return what each height adds to the coefficients of a `FloorField`, (3, 5, 9).
+
+    A plate feels the curvature of the height h under its centroid: dome (h_xx + h_yy) / 4, bow (h_xx - h_yy) / 4 and
+    h_xy / 2.
+    """
+    terms = {(1, 0): 0, (0, 1): 1, (2, 0): 2, (1, 1): 3, (0, 2): 4}
+    factors = np.zeros((3, 5, len(HEIGHT_POWERS)))
+    for column, (m, n) in enumerate(HEIGHT_POWERS):
+        if m > 1:
+            factors[:2, terms[m - 2, n], column] += 0.25 * m * (m - 1) * np.array((1.0, 1.0))
+        if n > 1:
+            factors[:2, terms[m, n - 2], column] += 0.25 * n * (n - 1) * np.array((1.0, -1.0))
+        if m > 0 and n > 0:
+            factors[2, terms[m - 1, n - 1], column] += 0.5 * m * n
+    return factors
+
+
+def floor_field(values: Mapping[str, float]) -> FloorField | None:
+    """Return how values by name let a floor's shape vary with the place, kPa; None where they do not."""
+    heights = np.array([values.get(name, 0.0) for name in FIELD_NAMES])
+    if not heights.any():
+        return None
+    return FloorField(tuple(map(tuple, (field_factors() @ heights).tolist())), FIELD_REACH)
+
+
 @dataclass(frozen=True)
 class SurfaceParameters:
     """Values of the unknowns of a surface, rod and ring; `SURFACE` describes each.
@@ -239,11 +276,13 @@ class SurfaceParameters:
         m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
         return EllipseFriction(mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi)
 
-    def footprint(self, slider: Slider) -> PressedFootprint:
-        """Return how an object rests on the surface, in its own mean pressures."""
+    def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
+        """Return how an object rests on the surface, in its own mean pressures; field : of the floor, kPa."""
         floor, plate = (owned_shapes(self.values(), names)[""] for names in (FLOOR_NAMES, PLATE_NAMES))
         per_mean = 1.0 / mean_pressure(slider)
-        return PressedFootprint(slider.outline, plate.scaled(per_mean), floor.scaled(per_mean), slider.centre_of_mass)
+        varying = None if field is None else field.scaled(per_mean)
+        shapes = plate.scaled(per_mean), floor.scaled(per_mean)
+        return PressedFootprint(slider.outline, *shapes, slider.centre_of_mass, varying)
 
     def chain(self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names) -> Array:
         """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).

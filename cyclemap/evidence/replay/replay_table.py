@@ -35,7 +35,7 @@ from cyclemap.mechanics import (
     Slider,
     SurfaceShape,
 )
-from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.foundation import FLAT, FloorField
 from cyclemap.mechanics.material import FloorSession
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -64,6 +64,8 @@ _BUTTER_INERTIA = 0.003019
 DATASET_PUSHER = Pusher(friction=0.25)
 # A thousandth of a degree: far below what a replay is off by.
 ACCURACY = 1e-5
+# Where the dataset's robot dragged objects to, m.
+DATASET_TARGET = (0.35, -0.03)
 _Models = tuple[QuasiStaticModel, QuasiStaticModel]
 _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
 # Reading the folder is this share of the work.
@@ -156,6 +158,7 @@ def replay_pushes(
     frames: Sequence[FrameShift] = (),
     floor: SurfaceShape = FLAT,
     sessions: Sequence[FloorSession] = (),
+    field: FloorField | None = None,
     select: Mapping[str, str | float] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> ReplayedPushes:
@@ -167,7 +170,8 @@ def replay_pushes(
     friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the objects by the
     names in the files; None: those of the dataset, `butter` among them. plates : how objects rest on the surface, by
     the same names; the others are flat, or as built in where the floor has a shape. floor : its shape, kPa at 50 mm;
-    sessions : its shapes in sessions that were seen, taken for pushes of their plate and speed. frames : how the frames
+    sessions : its shapes in sessions that were seen, taken for pushes of their plate and speed. field : how
+    the floor's shape varies with the place about the dataset's target, kPa. frames : how the frames
     of each plate's data are shifted. select : values of surface, object, speed, side, fraction, angle (SI, rad) to
     keep. Each push is replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what is known
     of surface and plates is worth what it gains on that. progress : called with the fraction done.
@@ -183,7 +187,7 @@ def replay_pushes(
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
     found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
     objects = dataset_sliders() if sliders is None else sliders
-    surface, models = Material("floor", friction, plates=tuple(plates), floor=floor), dict[str, _Models]()
+    surface, models = Material("floor", friction, plates=tuple(plates), floor=floor, field=field), dict[str, _Models]()
     shapes = {one.name: one.shape for one in sessions}
     shifts = {one.plate: (one.x, one.y) for one in frames}
     rows: list[dict[str, Any]] = []
@@ -208,6 +212,7 @@ def replay_pushes(
                         found_there = replace(surface, floor=shapes.get(session, floor))
                         models[session] = _models(objects[facts.object], found_there, pusher)
                     (model, plain), offset = models[session], shifts.get(facts.object, (0.0, 0.0))
+                    record = record if field is None else _seen_from(record, DATASET_TARGET)
                     replay = replay_push(record, model, offset)
                     isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
                 except CycleMapError as error:
@@ -231,6 +236,12 @@ def _models(slider: Slider, surface: Material, pusher: Pusher) -> _Models:
     model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
     is_plain = footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
     return model, model if is_plain else model.isotropic
+
+
+def _seen_from(record: PushRecord, place: tuple[float, float]) -> PushRecord:
+    """The same push with its world's origin at a place, m."""
+    shift = np.array([0.0, *place, 0.0])
+    return PushRecord(record.object_pose - shift, record.tip_pose - shift, record.ft_wrench)
 
 
 def _recorded(
