@@ -198,7 +198,9 @@ class BlockBuilder:
         return surfaces, objects
 
     def _session(self, sort: str, speed: float | None) -> str:
-        """The name of a session: its plate and speed; its file, too, where these do not tell it from others."""
+        """The name of a session: its plate and speed, of orientations alone its file; empty where nothing tells."""
+        if speed is None and sort != CYCLES:
+            return ""
         session = session_name(self.plate, speed, self.path.stem)
         if self.known_sessions.setdefault((session, sort), self.path) != self.path:
             session += f", {self.path.stem}"
@@ -211,10 +213,13 @@ class BlockBuilder:
         """
         names = {one.name for one in SESSION_OWNED}
         of_floor = [bool(names & {*block.parameters}) for block in self.blocks]
-        sessions = list(dict.fromkeys(one for one, told in zip(self.sessions, of_floor, strict=True) if told))
+        # What tells no speed belongs to the first session of its plate that does.
+        first = dict(reversed([both for both in zip(self.plates, self.sessions, strict=True) if both[1]]))
+        own = [one or first.get(plate, plate) for plate, one in zip(self.plates, self.sessions, strict=True)]
+        sessions = list(dict.fromkeys(one for one, told in zip(own, of_floor, strict=True) if told))
         several = len(sessions) > 1 or (population and len(sessions) == 1)
         blocks = []
-        for block, plate, session in zip(self.blocks, self.plates, self.sessions, strict=True):
+        for block, plate, session in zip(self.blocks, self.plates, own, strict=True):
             if len({*self.plates}) > 1 or several:
                 block = replace(block, name=f"{session if several else plate} {block.name}")
             if len({*self.plates}) > 1:
@@ -466,8 +471,8 @@ def collected_blocks(
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
 
     What one file tells of one plate at one speed is a session, in which the floor has a shape of its own; drags count
-    to the session of pushes of that plate and speed. A push of a repeated set tells its end and its cycle's end: their
-    errors are taken as independent.
+    to the session of pushes of that plate and speed, and what tells no speed to the first session of its plate. A push
+    of a repeated set tells its end and its cycle's end: their errors are taken as independent.
     Raises InvalidInput where nothing is recognised, naming what each path was, where the data are of several surfaces
     or of several objects of unknown outline, and for a number that does not fit.
     """
