@@ -197,7 +197,12 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [
-            {"name": one.name, "description": one.description, "unit": _NAMES[unit], "known": one.known}
+            {
+                "name": one.name,
+                "description": one.description,
+                "unit": _NAMES.get(unit, unit.strip()),
+                "known": one.known,
+            }
             | {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
             for one in derived
             for unit, factor in [readable_unit(one.unit)]

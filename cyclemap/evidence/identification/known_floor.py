@@ -19,28 +19,31 @@ from cyclemap.mechanics import Material, PlatePressure
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
 _FOUND = ("pusher_friction", "pin_friction_radius")
+# How well a material knows what it has no samples of.
+_SURE, _SURE_SHAPE = {"pusher_friction": 0.02, "pin_friction_radius": 5e-4}, 0.5
 
 
 def known_beliefs(floor: Material | None, names: Sequence[str], plate: str = "rect1") -> dict[str, tuple[float, float]]:
-    """Return what a material tells of those unknowns of which it has samples: mean and deviation, SI units and kPa.
+    """Return what a material tells of unknowns: mean and deviation of its samples, SI units and kPa.
 
     plate : the object that names without one are of. Samples are of new sessions: of the floor's mean the spread
-    between sessions is taken off again, down to what the number of its sessions leaves.
+    between sessions is taken off again, down to what the number of its sessions leaves. Without samples shapes are
+    taken as known to .5 kPa, the rod's friction to .02, the ring's lever to .5 mm.
     """
-    if floor is None or floor.posterior is None:
+    if floor is None:
         return {}
-    drawn = [floor.sample(number) for number in range(len(floor.posterior))]
-    believed = {}
+    count = 0 if floor.posterior is None else len(floor.posterior)
+    drawn, believed = [floor.sample(number) for number in range(count)], {}
     for name in names:
         plain, _, owner = name.partition("[")
         rows = [_told(one, plain, owner.rstrip("]") or plate) for one in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
         best, *samples = np.array(rows, dtype=float).tolist()
-        width = float(np.std(samples))
+        width = float(np.std(samples)) if samples else _SURE.get(plain, _SURE_SHAPE)
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
-            least = spread / np.sqrt(max(len(floor.sessions), 1))
+            least = max(spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if samples else _SURE_SHAPE)
             width = float(np.sqrt(max(width**2 - spread**2, least**2)))
         if width > 0.0:
             believed[name] = (best, width)

@@ -96,6 +96,9 @@ def test_known_shapes_of_plates_are_told_by_the_names_that_blocks_ask_for() -> N
     assert known_shapes(plates, [alone], "rect1") == {"plate_dome": 3.0, "plate_warp_x": 0.0}
     assert known_shapes(plates, [named], "rect1") == {"plate_dome[hex]": 1.0}
     assert known_beliefs(load_material("plywood"), ["pusher_friction"]) == {}
+    known = Material("slate", load_material("plywood").friction, plates=plates, session_spread=(2.0, 1.0, 1.0))
+    believed = known_beliefs(known, ["floor_dome", "floor_dome[hex]", "plate_dome[hex]", "plate_dome[tri1]"])
+    assert believed == {"floor_dome": (0.0, 2.0), "plate_dome[hex]": (1.0, 0.5)}
 
 
 def rows(plate: str, speed: int, tip_error: float) -> list[str]:
