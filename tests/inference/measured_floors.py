@@ -1,8 +1,9 @@
 """Infer the floors of the MIT push dataset and the shapes of its plates, and judge them on what was left out.
 
 `python -m tests.inference.measured_floors make FOLDER plywood` writes plywood-floor.toml from pushes at 10 and 20 mm/s
-and drags of seven plates, `... plates FOLDER` the plates' shapes from both floors' files. `... judge` prints how far fits to 10 mm/s lie from 20 mm/s, plate
-by plate, beside isotropic friction; `... left-out PLATE` the same of a plate that the floor's fit did not see.
+and drags of seven plates, `... plates FOLDER` the plates' shapes from both floors' files. `... judge` prints how far fits
+to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of a plate that the
+floor's fit did not see.
 """
 
 import json

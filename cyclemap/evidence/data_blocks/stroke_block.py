@@ -112,7 +112,11 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
         by = _by_names(model, names, ran.derivatives[:, 5:6])
         measured = np.array([drag.end.theta for drag in strokes])
         parts = [surface.chain(by, names, DRAG_UNKNOWNS)]
-        parts += [] if target is None else [_by_field(by, names, np.array(places))]
+        parts += (
+            []
+            if target is None
+            else [_by_field(_by_names(model, FLOOR_NAMES, ran.derivatives[:, 5:6]), np.array(places))]
+        )
         return (ran.ended[:, 2] - measured)[:, None], np.concatenate(parts, axis=-1)
 
     own = () if target is None else FIELD
@@ -120,11 +124,10 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
     return _stroke_block("drag-backs", parameters, drags, misfit, ("drag turn (rad)",), own)
 
 
-def _by_field(by: Array, names: tuple[str, ...], places: Array) -> Array:
-    """Derivatives (n, m, 9) by the floor's heights, at places (n, 2), m from the target; `by` (n, m, k) by names."""
+def _by_field(by_floor: Array, places: Array) -> Array:
+    """Derivatives (n, m, 9) by the floor's heights, of those (n, m, 3) by its shape at places (n, 2), m from target."""
     reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
     terms = np.array([reaching.terms_at((x, y)) for x, y in places.tolist()])
-    by_floor = by[..., [names.index(name) for name in FLOOR_NAMES]]
     return np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
 
 
@@ -216,7 +219,7 @@ def predicted_push_ends(
             0.25 * model.unit * way[touched, None] * np.column_stack([np.cos(direction), np.sin(direction)])[touched]
         )
         middles = [begin.to_world(*model.slider.outline.centroid) for begin in begins]
-        by[touched, :, len(names) : -2] = _by_field(by[touched, :, : len(names)], names, middles + along)
+        by[touched, :, len(names) : -2] = _by_field(_by_names(model, FLOOR_NAMES, found), middles + along)
     starting = np.array([_by_shift(model, *one) for one in both])
     by[touched, :, -2:] = found[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
     return ends, by
