@@ -112,7 +112,9 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
         # Shapes are the surface's and the object's pressures: a heavier object has less of them in mean pressures.
         lighter = mean_pressure(loop.slider) / mean_pressure(slider)
         centre = slider.centre_of_mass
-        found = PressedFootprint(slider.outline, found.plate.scaled(lighter), found.floor.scaled(lighter), centre)
+        plate, floor = found.plate.scaled(lighter), found.floor.scaled(lighter)
+        field = None if found.field is None else found.field.scaled(lighter)
+        found = PressedFootprint(slider.outline, plate, floor, centre, field)
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
@@ -128,13 +130,14 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
         found if isinstance(found, PatchFootprint) else PatchFootprint(slider.outline, centre=slider.centre_of_mass)
     )
     patch = replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
-    if plate.is_flat and floor.is_flat:
+    field = found.field if isinstance(found, PressedFootprint) else None
+    if plate.is_flat and floor.is_flat and field is None:
         return patch if any(key in settings for key in SHARES) or isinstance(found, PatchFootprint) else None
     shared = [key for key in SHARES if getattr(patch, key) != 0.0]
     if shared:
         told = f"{shared[0]}={getattr(patch, shared[0]):g}"
         raise InvalidInput(f"{told} beside shapes of floor or object: both tell how it rests; set one of them to 0")
-    return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass)
+    return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, field)
 
 
 def mean_pressure(slider: Slider) -> float:
@@ -216,10 +219,11 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
     """
     known = known_plate(material, slider)
     shape = FLAT if known is None else known.shape
-    if not (shape.is_flat and material.floor.is_flat):
+    if not (shape.is_flat and material.floor.is_flat and material.field is None):
         per_mean = 1.0 / mean_pressure(slider)
         plate, floor = shape.scaled(per_mean), material.floor.scaled(per_mean)
-        return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass)
+        field = None if material.field is None else material.field.scaled(per_mean)
+        return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, field)
     if known is None:
         return None
     return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)

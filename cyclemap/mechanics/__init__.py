@@ -10,8 +10,8 @@ Friction and pressure
 ---------------------
 EllipseFriction, worn_friction : friction of a point; between fresh and worn
 Footprint, PatchFootprint, PointFootprint : how the load is spread, exactly or over points
-SurfaceShape, PressedFootprint, resting_pressure : plates and floors that are not flat, and where
-    one rests on the other
+SurfaceShape, FloorField, PressedFootprint, resting_pressure : plates and floors that are not flat,
+    and where one rests on the other
 grid_footprint, corner_footprint : footprints of points, by their count or on the corners
 load_footprint, parse_footprint : footprints from a file, or by a word
 LimitSurface : friction of a whole footprint; dissipation, wrench and twist
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
         load_footprint,
         parse_footprint,
     )
-    from cyclemap.mechanics.foundation import PressedFootprint, SurfaceShape
+    from cyclemap.mechanics.foundation import FloorField, PressedFootprint, SurfaceShape
     from cyclemap.mechanics.friction import EllipseFriction, LimitSurface, worn_friction
     from cyclemap.mechanics.material import (
         CycleNoise,
@@ -85,6 +85,7 @@ else:
 __all__ = ["MIT_HITCH", "MIT_SHAPE_NAMES", "Ellipse", "Polygon", "Slider"]
 __all__ += [
     "EllipseFriction",
+    "FloorField",
     "Footprint",
     "LimitSurface",
     "PatchFootprint",

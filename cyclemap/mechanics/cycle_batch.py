@@ -13,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.parts import PARTS
-from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
+from cyclemap.mechanics.engine.schema import OUTPUT, PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, pressure_tables
 from cyclemap.mechanics.foundation import PressedFootprint
 from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal
@@ -21,7 +21,6 @@ from cyclemap.mechanics.slider import DragBack, Pose, SidePush
 
 # What a cycle gives.
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")
-_HITCH = PARAMETERS.index("hitch_x")
 _FRICTION = ("mu_a", "mu_b", "m0", "n0")
 # Ends of pushes that are kept of one model: maps take hundreds of samples, those with jumps
 # thousands.
@@ -82,41 +81,18 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[number]
     start = theta.ravel()
     (c, s), ring = _turned(start, lever)
-    # Before the push the ring is at the origin.
-    varied = np.zeros((start.size, 3, derivatives))
-    if derivatives:
-        varied[:, 0, 0], varied[:, 1, 0], varied[:, 2, 0] = (
-            ring[:, 1] / unit,
-            -ring[:, 0] / unit,
-            1.0,
-        )
-    if derivatives > _HITCH:
-        (
-            varied[:, 0, _HITCH],
-            varied[:, 0, _HITCH + 1],
-            varied[:, 1, _HITCH],
-            varied[:, 1, _HITCH + 1],
-        ) = -c, s, -s, -c
+    varied = _start_varies(c, s, ring, unit, derivatives)
     ran = engine.run(strokes, number, np.column_stack([-ring / unit[:, None], start]), varied)
     _check(ran, strokes, start, number)
-    shift = unit[:, None] * ran.pushed[:, :2] + ring
-    moved = np.column_stack([c * shift[:, 0] + s * shift[:, 1], c * shift[:, 1] - s * shift[:, 0]])
+    (x, y), (ring_x, ring_y) = ran.pushed[:, :2].T, ring.T
+    x, y = unit * x + ring_x, unit * y + ring_y
+    moved = np.column_stack([c * x + s * y, c * y - s * x])
     turned, end = ran.pushed[:, 2], ran.ended[:, 2]
     jacobian = np.zeros((theta.size, len(CYCLE_OUTPUTS), derivatives))
     if derivatives:
-        scales = np.array(
-            [derivative_units(loop.model, PARAMETERS[:derivatives]) for loop in loops]
-        )[number]
-        by = ran.derivatives * scales[:, None]
-        by[:, [0, 1, 3, 4, 6]] *= unit[:, None, None]
-        from_start = varied * scales[:, None]
-        from_start[:, :2] *= unit[:, None, None]
-        by_theta = from_start[:, 2]
-        by_x, by_y = by[:, 0] - from_start[:, 0], by[:, 1] - from_start[:, 1]
-        jacobian[:, 0] = by[:, 2] - by_theta
-        jacobian[:, 1] = c[:, None] * by_x + s[:, None] * by_y + moved[:, 1, None] * by_theta
-        jacobian[:, 2] = c[:, None] * by_y - s[:, None] * by_x - moved[:, 0, None] * by_theta
-        jacobian[:, 3], jacobian[:, 4], jacobian[:, 5] = by[:, 5] - by[:, 2], by[:, 6], by[:, 5]
+        names = PARAMETERS[:derivatives]
+        scales = np.array([derivative_units(loop.model, names) for loop in loops])[number]
+        jacobian = _jacobian(ran, varied, moved, (c, s), scales, unit[:, None])
     shape = theta.shape
     return CycleBatch(
         (turned - start).reshape(shape),
@@ -127,6 +103,42 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
         ran.left.reshape(shape),
         jacobian.reshape(*shape, *jacobian.shape[1:]),
     )
+
+
+def _start_varies(c: Array, s: Array, ring: Array, unit: Array, derivatives: int) -> Array:
+    """Derivatives (n, 3, k) of poses, extents, at which pushes start, the ring at the origin."""
+    varied = np.zeros((len(ring), 3, derivatives))
+    x, y, theta = np.moveaxis(varied, 1, 0)
+    ring_x, ring_y = ring.T
+    if derivatives:
+        first = PARAMETERS.index("theta")
+        x[:, first], y[:, first], theta[:, first] = ring_y / unit, -ring_x / unit, 1.0
+    if derivatives > PARAMETERS.index("hitch_y"):
+        by_x, by_y = PARAMETERS.index("hitch_x"), PARAMETERS.index("hitch_y")
+        x[:, by_x], x[:, by_y], y[:, by_x], y[:, by_y] = -c, s, -s, -c
+    return varied
+
+
+def _jacobian(
+    ran: Ran, varied: Array, moved: Array, facing: tuple[Array, Array], scales: Array, unit: Array
+) -> Array:
+    """Derivatives (n, 6, k) of CYCLE_OUTPUTS; `moved`: the displacement in the first frame."""
+    by = OUTPUT.columns_of(ran.derivatives * scales[:, None])
+    x, y, theta = np.moveaxis(varied * scales[:, None], 1, 0)
+    pushed_x, pushed_y, pushed = np.moveaxis(by.pushed, 1, 0)
+    _, _, ended = np.moveaxis(by.ended, 1, 0)
+    by_x, by_y = unit * pushed_x - unit * x, unit * pushed_y - unit * y
+    c, s = (each[:, None] for each in facing)
+    dx, dy = (each[:, None] for each in moved.T)
+    rows = {
+        "push_turn": pushed - theta,
+        "push_dx": c * by_x + s * by_y + dy * theta,
+        "push_dy": c * by_y - s * by_x - dx * theta,
+        "drag_turn": ended - pushed,
+        "drag_length": unit * by.way,
+        "theta_next": ended,
+    }
+    return np.stack([rows[name] for name in CYCLE_OUTPUTS], axis=1)
 
 
 class CycleSlopes:
@@ -143,8 +155,14 @@ class CycleSlopes:
         self._lever, self._unit = np.array([model.slider.hitch]), model.unit
         self._push = replace(model.push_strokes(Pose(), loop.push), with_object=True)
         self._drag = replace(model.cycle_strokes(loop.push, loop.reset), length=0.0)
+        pressure = model.pressure
+        # Where the floor's shape varies with the place, a push depends on where it begins, too.
+        self._has_place = isinstance(pressure, PressedFootprint) and pressure.field is not None
         body = (model.slider.outline, model.slider.centre_of_mass, model.footprint)
-        self._ends = _kept_ends(body, model.friction, model.pusher, model.accuracy, loop.push)
+        place = model.slider.hitch if self._has_place else None
+        self._ends = _kept_ends(
+            body, model.friction, model.pusher, model.accuracy, loop.push, place
+        )
 
     def __call__(self, theta: Array) -> tuple[Array, Array]:
         """Return both (n,) at orientations (n,), rad. Raises what the first cycle that fails ends
@@ -155,31 +173,32 @@ class CycleSlopes:
         if new.size:
             # Pushed from the origin, by orientation alone: x, y and theta at the end, then their
             # slopes.
-            poses = np.outer(new, (0.0, 0.0, 1.0))
-            varied = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (new.size, 3, 1))
+            poses, varied = np.outer(new, (0.0, 0.0, 1.0)), np.zeros((new.size, 3, 1))
+            varied[:, 2] = 1.0
+            if self._has_place:
+                _, before = _turned(new, self._lever)
+                poses[:, :2] = -before / self._unit
+                varied[:, 0, 0] = before[:, 1] / self._unit
+                varied[:, 1, 0] = -before[:, 0] / self._unit
             ran = engine.run([self._push], np.zeros(new.size, int), poses, varied)
             _check(ran, [self._push], new)
-            found = dict(
-                zip(
-                    new.tolist(),
-                    np.column_stack([ran.pushed, ran.derivatives[:, :3, 0]]),
-                    strict=True,
-                )
-            )
+            slopes = OUTPUT.columns_of(ran.derivatives).pushed[..., 0]
+            found = dict(zip(new.tolist(), np.hstack([ran.pushed, slopes]), strict=True))
             if len(self._ends) > _MOST_KEPT:
                 self._ends.clear()
             self._ends.update(found)
             ends.update(found)
-        pushed = np.array([ends[angle] for angle in theta.tolist()])
+        kept = np.array([ends[angle] for angle in theta.tolist()])
+        pose, slopes = kept[:, :3], kept[:, 3:]
         _, ring = _turned(theta, self._lever)
-        pushed[:, :2] += -ring / self._unit
-        pushed[:, 3] += ring[:, 1] / self._unit
-        pushed[:, 4] += -ring[:, 0] / self._unit
-        ran = engine.run(
-            [self._drag], np.zeros(theta.size, int), pushed[:, :3], pushed[:, 3:, None]
-        )
+        ring_x, ring_y = ring.T
+        if not self._has_place:
+            pose[:, :2] += -ring / self._unit
+            slopes[:, :2] += np.column_stack([ring_y / self._unit, -ring_x / self._unit])
+        ran = engine.run([self._drag], np.zeros(theta.size, int), pose, slopes[..., None])
         _check(ran, [self._drag], theta)
-        return ran.ended[:, 2], ran.derivatives[:, 5, 0]
+        ended = OUTPUT.columns_of(ran.derivatives).ended
+        return ran.ended[:, 2], ended[:, 2, 0]
 
 
 @lru_cache(maxsize=128)
@@ -196,9 +215,8 @@ def _turned(theta: Array, lever: Array) -> tuple[tuple[Array, Array], Array]:
     rounds them.
     """
     c, s = (np.array([of(angle) for angle in theta.tolist()]) for of in (math.cos, math.sin))
-    return (c, s), np.column_stack(
-        [c * lever[:, 0] - s * lever[:, 1], s * lever[:, 0] + c * lever[:, 1]]
-    )
+    x, y = lever.T
+    return (c, s), np.column_stack([c * x - s * y, s * x + c * y])
 
 
 def _check(

@@ -1,14 +1,15 @@
 """Foundations that are pressed: plates and floors that are not flat, one resting on the other."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from dataclasses import field as made
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number, point
+from cyclemap.checks import finite_array, finite_number, point, positive_number
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.outline import Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 # Shapes are told in mean pressures at this distance from the centroid, m.
 SHAPE_RADIUS = 0.05
@@ -83,6 +84,54 @@ FLAT = SurfaceShape()
 
 
 @dataclass(frozen=True)
+class FloorField:
+    """How a floor's shape varies with the place of the object's centroid.
+
+    coefficients : (3, 5); of dome, bow cos 2 axis and bow sin 2 axis by X, Y, X^2, X Y, Y^2, with
+        X, Y from the world's origin (the reset's target) in 50 mm, in the units of the shape.
+    reach : m; beyond it the shape stays what it is at that distance.
+
+    The shape is taken once a stroke: a quarter of the rod's way ahead of where a push begins, since
+    an object goes about half as far as the rod, and midway of each leg of a drag. Raises
+    InvalidInput for another shape of the coefficients, values that are not finite, and a reach that
+    is not positive.
+
+    >>> field = FloorField(((1.0, 0, 0, 0, 0), (0, 0, 0, 0, 2.0), (0, 0, 0, 0, 0)), reach=0.2)
+    >>> field.bend_at((0.05, 0.1)).tolist()
+    [1.0, 8.0, 0.0]
+    """
+
+    coefficients: tuple[tuple[float, ...], ...]
+    reach: float
+
+    def __post_init__(self) -> None:
+        array = finite_array("coefficients of a floor's field", self.coefficients, last=5, ndim=2)
+        if len(array) != 3:
+            raise InvalidInput(
+                f"coefficients of a floor's field have {len(array)} rows: give three, of its dome "
+                "and both components of its bow"
+            )
+        object.__setattr__(self, "coefficients", tuple(map(tuple, array.tolist())))
+        object.__setattr__(self, "reach", positive_number("reach of a floor's field", self.reach))
+
+    def terms_at(self, place: tuple[float, float]) -> Array:
+        """Return X, Y, X^2, X Y, Y^2 (5,) at a place (x, y), m."""
+        away = math.hypot(*place)
+        share = self.reach / away if away > self.reach else 1.0
+        x, y = (share * value / SHAPE_RADIUS for value in place)
+        return np.array((x, y, x * x, x * y, y * y))
+
+    def bend_at(self, place: tuple[float, float]) -> Array:
+        """Return what is added to dome, bow cos 2 axis and bow sin 2 axis at a place (x, y), m."""
+        return np.asarray(np.array(self.coefficients) @ self.terms_at(place))
+
+    def scaled(self, factor: float) -> "FloorField":
+        """Return the field in units that are smaller by a factor."""
+        scaled = factor * np.array(self.coefficients)
+        return FloorField(tuple(map(tuple, scaled.tolist())), self.reach)
+
+
+@dataclass(frozen=True)
 class PressedFootprint:
     """Pressure of a plate that is not flat on a floor that is not flat, which give way alike.
 
@@ -96,9 +145,11 @@ class PressedFootprint:
     plate, floor : their shapes, in mean pressures.
     centre : centre of mass, m; None: the centroid. InvalidInput outside the outline's convex hull,
         where the object would tip.
+    field : how the floor's shape varies with the place, `floor` being that at the world's origin;
+        None: not.
 
-    From them: extent, m, of the outline; plate_bend, floor_bend (3,), the shapes as the engine has
-    them, per unit load and lengths in extents: bend_unit times theirs.
+    From them: extent, m, of the outline; plate_bend, floor_bend (3,), field_bend (3, 5), the shapes
+    as the engine has them, per unit load and lengths in extents: bend_unit times theirs.
 
     >>> square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
     >>> footprint = PressedFootprint(square, floor=SurfaceShape(10.0, 10.0, math.pi / 2))
@@ -110,14 +161,26 @@ class PressedFootprint:
     plate: SurfaceShape = FLAT
     floor: SurfaceShape = FLAT
     centre: tuple[float, float] = None  # type: ignore[assignment]  # filled in below
-    extent: float = field(init=False, repr=False, compare=False)
-    bend_unit: float = field(init=False, repr=False, compare=False)
-    plate_bend: Array = field(init=False, repr=False, compare=False)
-    floor_bend: Array = field(init=False, repr=False, compare=False)
+    field: FloorField | None = None
+    extent: float = made(init=False, repr=False, compare=False)
+    bend_unit: float = made(init=False, repr=False, compare=False)
+    plate_bend: Array = made(init=False, repr=False, compare=False)
+    floor_bend: Array = made(init=False, repr=False, compare=False)
+    field_bend: Array = made(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         outline = self.outline
+        if not isinstance(outline, (Polygon, Ellipse)):
+            raise InvalidInput(
+                "shapes of plate and floor press an outline, not support points: leave out the "
+                "points, or the shapes"
+            )
         centre = outline.centroid if self.centre is None else point("centre of mass", self.centre)
+        if not outline.bears(centre):
+            raise InvalidInput(
+                f"the centre of mass {centre} m lies outside the outline's convex hull: the object "
+                "would tip; give one inside"
+            )
         if isinstance(outline, Polygon) and outline.sides > _MOST_SIDES:
             raise InvalidInput(
                 f"an outline of {outline.sides} corners: shapes of plate and floor take "
@@ -127,3 +190,6 @@ class PressedFootprint:
         unit = (size / SHAPE_RADIUS) ** 2 * size**2 / outline.area
         vars(self).update(centre=centre, extent=size, bend_unit=unit)
         vars(self).update(plate_bend=unit * self.plate.bend, floor_bend=unit * self.floor.bend)
+        coefficients = np.zeros((3, 5)) if self.field is None else np.array(self.field.coefficients)
+        powers = np.array((1, 1, 2, 2, 2))
+        vars(self).update(field_bend=unit * coefficients * (size / SHAPE_RADIUS) ** powers)

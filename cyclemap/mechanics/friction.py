@@ -144,7 +144,9 @@ class LimitSurface:
     the frame's origin; the friction wrench on the object is -grad D (maximum dissipation; Goyal,
     Ruina & Papadopoulos 1991). Exact footprints are accurate to 1e-10 relative where the outline is
     at least 1 % as thick as it is long; thinner ones, and those that lean, lose digits in
-    proportion: to 1e-6 at 1e-4, the thinnest that there may be.
+    proportion: to 1e-6 at 1e-4, the thinnest that there may be. Of a PressedFootprint, `frame` is
+    the object's orientation on the floor: what the floor's shape turns by against the plate; it is
+    accurate to 1e-10 of the mean load times the shapes' numbers, where those are above one.
 
     >>> from cyclemap.mechanics import Ellipse, PatchFootprint
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))

@@ -12,7 +12,7 @@ import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
-from cyclemap.mechanics.foundation import FLAT, SurfaceShape
+from cyclemap.mechanics.foundation import FLAT, FloorField, SurfaceShape
 from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 
@@ -25,6 +25,7 @@ PLATE_SHAPE_KEYS = ("plate_dome_kpa", "plate_warp_kpa", "plate_warp_deg")
 SURFACE_KEYS = (*FRICTION_KEYS, *FLOOR_SHAPE_KEYS)
 PLATE_KEYS = (*SHARE_KEYS, *PLATE_SHAPE_KEYS)
 SPREAD_KEYS = ("dome_kpa", "bow_x_kpa", "bow_y_kpa")
+FIELD_KEYS = (*SPREAD_KEYS, "reach_mm")
 FOUND_KEYS = {
     "pusher_mu": ("pusher_friction", 1.0),
     "pin_friction_mm": ("pin_friction_radius", 1e-3),
@@ -283,6 +284,7 @@ class Material:
         metre carries over from object to object; what it is in mean pressures depends on the
         object's weight per area.
     sessions : the floor's shape as it was in single sessions; `floor` is their mean.
+    field : how the floor's shape varies with the place, kPa; None: not.
     session_spread : standard deviations of dome, bow cos 2 axis and bow sin 2 axis from session to
         session, kPa; a new session is off by so much.
 
@@ -304,6 +306,7 @@ class Material:
     floor: SurfaceShape = FLAT
     sessions: tuple[FloorSession, ...] = ()
     session_spread: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    field: FloorField | None = None
 
     def __post_init__(self) -> None:
         for name in ("plates", "frames", "sessions"):

@@ -9,10 +9,12 @@ from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 
-from cyclemap.checks import finite_number
+from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
+from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.material import (
+    FIELD_KEYS,
     FLOOR_SHAPE_KEYS,
     FOUND_KEYS,
     FRICTION_KEYS,
@@ -43,7 +45,7 @@ FILE_KEYS = (
         "plates",
         "posterior",
     ),
-    *("cycle_noise", "frames", "floor_shape", "sessions", "session_spread"),
+    *("cycle_noise", "frames", "floor_shape", "sessions", "session_spread", "floor_field"),
 )
 _DRAWN_TABLES = {
     "posterior": ("parameters", "samples"),
@@ -208,6 +210,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         floor=shape_of_numbers(floor, FLOOR_SHAPE_KEYS),
         sessions=tuple(sessions),
         session_spread=(dome, bow_x, bow_y),
+        field=_field_of(_table(table, "floor_field", FIELD_KEYS)),
     )
 
 
@@ -242,6 +245,20 @@ def _friction_of(values: dict[str, object]) -> EllipseFriction:
             )
     checked = {key: finite_number(f"friction key {key}", value) for key, value in values.items()}
     return EllipseFriction(phi=math.radians(checked.pop("phi_deg", 0.0)), **checked)
+
+
+def _field_of(numbers: dict[str, object]) -> FloorField | None:
+    if not numbers:
+        return None
+    for key in FIELD_KEYS:
+        if key not in numbers:
+            raise InvalidInput(
+                f"a table [floor_field] needs {key}: dome_kpa, bow_x_kpa and bow_y_kpa, each a "
+                "list of factors of X, Y, X^2, X Y, Y^2 in 50 mm from the target, and reach_mm"
+            )
+    rows = [finite_array(key, numbers[key], last=5, ndim=1) for key in SPREAD_KEYS]
+    reach = 1e-3 * finite_number("reach_mm", numbers["reach_mm"])
+    return FloorField(tuple(tuple(row.tolist()) for row in rows), reach)
 
 
 def _wear_of(worn: dict[str, object]) -> Wear | None:
@@ -288,6 +305,9 @@ def material_toml(material: Material) -> str:
     for session in material.sessions:
         key = _key(session.name)
         tables[f"sessions.{key}"] = {**shape_numbers(session.shape, FLOOR_SHAPE_KEYS)}
+    if material.field is not None:
+        rows = zip(SPREAD_KEYS, material.field.coefficients, strict=True)
+        tables["floor_field"] = {**dict(rows), "reach_mm": 1e3 * material.field.reach}
     if any(material.session_spread):
         tables["session_spread"] = {**dict(zip(SPREAD_KEYS, material.session_spread, strict=True))}
     found = {

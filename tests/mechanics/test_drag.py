@@ -206,3 +206,21 @@ def test_a_turn_that_the_ring_ends_on_the_way_is_refused_by_name_and_told_where_
             assert model.drag(pose, (goal,), pin_friction_radius=0.499 * ring_lever(model)).turn != 0.0
             stopped += 1
     assert stopped == 3 and done >= 3
+
+
+# Where the object comes to rest in the ring: accuracy, radius over the ring's lever, orientation, way (m).
+RESTING = ((2.5e-3, 0.5321, 1.0751, 2.617), (6.3e-3, 0.5695, 1.699, 1.445), (3.9e-3, 0.8166, -1.8396, 1.339))
+
+
+@pytest.mark.parametrize("case", RESTING)
+def test_a_coarse_drag_that_comes_to_rest_in_the_ring_ends_where_a_fine_one_does(case):
+    """A spin that dies away may come out a little on the other side of zero: that is no turn that the ring ends."""
+    accuracy, share, theta, way = case
+    law = EllipseFriction(0.065, 0.27, -0.007, -0.119, 2.667)
+    fine = QuasiStaticModel(replace(RECT, hitch=(0.056, 0.056)), law, accuracy=1e-9)
+    pose, radius = Pose(0.1, 0.05, theta), share * ring_lever(fine)
+    turns = [
+        model.drag(pose, ((way, 0.0),), pin_friction_radius=radius).turn
+        for model in (fine, replace(fine, accuracy=accuracy))
+    ]
+    assert abs(turns[0]) > 0.3 and abs(turns[0] - turns[1]) < accuracy

@@ -8,6 +8,7 @@ from force_balance import check
 from random_cases import harsh_case, random_case
 
 from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.engine.schema import RECORD
 
 CASES = 2_000
 SHARES = 10
@@ -58,6 +59,15 @@ HARDEST = (
 @pytest.mark.parametrize(("kind", "seed"), HARDEST)
 def test_the_hardest_of_many_thousand_extremes_have_a_result(kind, seed):
     assert run_and_check(harsh_case(kind, seed), balanced=True) in ("distance", "left")
+
+
+def test_states_that_are_written_down_balance_to_newtons_tolerance():
+    """2e-13 of the mean friction coefficient, where no support point stands still."""
+    worst = 0.0
+    for seed in range(60):
+        for stroke in random_case(seed).run():
+            worst = max(worst, RECORD.columns_of(stroke.course.rows).residual.max())
+    assert 0.0 < worst <= 2e-13
 
 
 def turns_of(seed, accuracy):

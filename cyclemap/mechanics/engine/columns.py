@@ -49,21 +49,21 @@ class Columns:
         """Return the place of a number, or of a vector's first."""
         return next(start for other, start, _ in self._places if other == name)
 
+    @cached_property
+    def _where(self) -> dict[str, int | slice]:
+        """By name: its place, or those of a vector."""
+        return {
+            name: slice(start, start + length) if length else start
+            for name, start, length in self._places
+        }
+
     def of(self, row: Any) -> Any:
         """Return the numbers of a row, or an expression, under their names; vectors as slices."""
-        picked = {
-            name: row[start : start + length] if length else row[start]
-            for name, start, length in self._places
-        }
-        return SimpleNamespace(**picked)
+        return SimpleNamespace(**{name: row[place] for name, place in self._where.items()})
 
     def columns_of(self, table: np.ndarray[Any, Any]) -> Any:
-        """Return the columns of a table (n, size) under their names."""
-        picked = {
-            name: table[:, start : start + length] if length else table[:, start]
-            for name, start, length in self._places
-        }
-        return SimpleNamespace(**picked)
+        """Return the columns of a table (n, size, ...) under their names."""
+        return SimpleNamespace(**{name: table[:, place] for name, place in self._where.items()})
 
     def enum(self) -> str:
         """Return the enum of C: all places, and the length."""

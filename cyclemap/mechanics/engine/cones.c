@@ -1,17 +1,17 @@
 /* Friction over the contact of a foundation that is pressed (foundation.c).
 
-   The contact is cut into cones from the centre of rotation, where w = 0 (equations.py,
-   _pressed_side): sides are summed in closed form, arcs by Gauss's rule on panels that are short
-   beside their distance from where |w| is singular. From afar cones are taken from the centroid and
-   summed place by place. */
+   The contact's image in the velocity plane is cut into cones from w = 0, the centre of rotation
+   (equations.py, _pressed_side): sides are summed in closed form, arcs by Gauss's rule on panels
+   that are short beside their distance from where |w| is singular. From afar cones are taken from
+   the centroid and summed place by place. */
 
 /* Panels of arcs that are shorter than this, in 2 s - 1, are summed by the least rule. */
 static const double SHORTEST_PANEL = 1e-12;
-/* Of rough, usual and fine motions: centres of rotation farther than this (extents, velocity plane)
-   are summed place by place, by these rules along a cone and along a side: from there the sums in
-   closed form cancel to 1e-9, 1e-10 and 1e-11. */
-static const double FOUNDATION_FAR[] = {30.0, 10.0, 5.0};
-static const int ALONG_CONE[] = {0, 1, 2}, ALONG_SIDE[] = {1, 2, 4};
+/* By digits: centres of rotation farther than this (extents, velocity plane) are summed place by
+   place, by these rules along a cone and along a side; from near, sums cancel as the third
+   power of the distance. */
+static const double FOUNDATION_FAR[] = {30.0, 20.0, 10.0, 3.0};
+static const int ALONG_CONE[] = {0, 1, 1, 2}, ALONG_SIDE[] = {1, 2, 2, 4};
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
 enum { SUM_SPEED, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY, SUM_SIZE };
 
@@ -100,17 +100,10 @@ static inline void velocity_at(const Frame *e, const double *place, double *w) {
     w[Y] = e->middle[Y] + e->omega * (t[M_YX] * place[X] + t[M_YY] * place[Y]);
 }
 
-/* An arc as seen from the centre of rotation: in the velocity plane, or where it is. */
-static Arc arc_from(const Cones *c, const Arc *arc, int is_image) {
-    Arc seen = *arc;
-    const double *v = c->f->twist, centre[] = {-v[VY] / v[OMEGA], v[VX] / v[OMEGA]};
-    const double *from[] = {arc->a, arc->b, arc->c};
-    double *to[] = {seen.a, seen.b, seen.c};
-    for (int i = 0; i < 3; ++i) {
-        if (is_image) velocity_at(&c->frame, from[i], to[i]);
-        else for (int k = 0; k < 2; ++k) to[i][k] = from[i][k] - centre[k];
-    }
-    return seen;
+/* Without C's care for what is not finite. */
+static ALWAYS_INLINE double complex product(double complex a, double complex b) {
+    double real = creal(a) * creal(b) - cimag(a) * cimag(b);
+    return real + I * (creal(a) * cimag(b) + cimag(a) * creal(b));
 }
 
 static double complex root_of(double complex z) {
@@ -121,11 +114,12 @@ static double complex root_of(double complex z) {
 
 /* Where |w| along an arc's image is singular, in 2 s - 1: the complex zeros of w, a quadratic. */
 enum { ZEROS = 2 };
-static void zeros_of(const Arc *image, double complex *zeros) {
-    double complex first = image->a[X] + I * image->a[Y], last = image->b[X] + I * image->b[Y];
-    double complex half = image->weight * image->c[X] + I * (image->weight * image->c[Y]);
+static ALWAYS_INLINE void zeros_of(double weight, const double *a, const double *c,
+                                   const double *b, double complex *zeros) {
+    double complex first = a[X] + I * a[Y], last = b[X] + I * b[Y];
+    double complex half = weight * c[X] + I * (weight * c[Y]);
     /* in t = s / (1 - s): last t^2 + 2 half t + first = 0, 2 s - 1 = (t - 1) / (t + 1) */
-    double complex root = root_of(half * half - first * last);
+    double complex root = root_of(product(half, half) - product(first, last));
     int same = creal(half) * creal(root) + cimag(half) * cimag(root) >= 0.0;
     double complex down = same ? -half - root : root - half;
     zeros[0] = quotient(down - last, down + last);
@@ -188,22 +182,30 @@ static void add_panels(Cones *c, const Sweep *sweep, double axis, const double c
         add_panels(c, sweep, axis, zeros, middle, high);
         return;
     }
-    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : 0};
+    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
     if (c->f->toward) move_panel(c, sweep, &panel);
     else add_panel(c, sweep, &panel);
 }
 
 static void add_arc_of(Cones *c, const Arc *arc) {
     if (!c->is_far) {
+        const double *from[] = {arc->a, arc->c, arc->b}, *v = c->f->twist;
         double complex zeros[ZEROS];
-        Arc image = arc_from(c, arc, 1), seen = c->f->toward ? arc_from(c, arc, 0) : image;
-        Sweep sweep = sweep_of(&seen);
-        zeros_of(&image, zeros);
+        double at[3][2];
+        for (int i = 0; i < 3; ++i) velocity_at(&c->frame, from[i], at[i]);
+        zeros_of(arc->weight, at[0], at[1], at[2], zeros);
+        /* w is summed in its own plane; how it moves, off the centre of rotation */
+        for (int i = 0; i < 3 && c->f->toward; ++i) {
+            at[i][X] = from[i][X] + v[VY] / v[OMEGA];
+            at[i][Y] = from[i][Y] - v[VX] / v[OMEGA];
+        }
+        Sweep sweep = sweep_of(arc->weight, at[0], at[1], at[2]);
         add_panels(c, &sweep, arc->axis, zeros, -1.0, 1.0);
         return;
     }
     int rule = boundary_rule(arc->axis, c->digits);
-    Sweep sweep = sweep_of(arc);
+    if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
+    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
         Lanes node, weight;
         Boundary at;
@@ -216,7 +218,7 @@ static void add_arc_of(Cones *c, const Arc *arc) {
 
 /* Sides of the contact, some at once. */
 static void add_pressed_sides(Cones *c, const Pressed *at) {
-    Lanes given[EDGE_SIZE + QUADRATIC_SIZE], found[SUM_SIZE], ends[EDGE_SIZE], still[2];
+    Lanes given[EDGE_SIZE + QUADRATIC_SIZE], found[SUM_SIZE], ends[EDGE_SIZE] = {{0.0}}, still[2];
     Lanes turn[MATRIX_SIZE], sums[SUM_SIZE];
     for (int k = 0; k < QUADRATIC_SIZE; ++k) given[EDGE_SIZE + k] = all(c->image[k]);
     for (int k = 0; k < MATRIX_SIZE; ++k) turn[k] = all(c->frame.omega * c->frame.spin[k]);
@@ -258,8 +260,10 @@ static void move_pressed_side(Cones *c, const double *side) {
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */
 static void sums_by_velocity(const double *m, const double *s, double *to) {
-    double ax = m[M_XX] * s[SUM_XX] + m[M_YX] * s[SUM_XY], ay = m[M_XX] * s[SUM_XY] + m[M_YX] * s[SUM_YY];
-    double bx = m[M_XY] * s[SUM_XX] + m[M_YY] * s[SUM_XY], by = m[M_XY] * s[SUM_XY] + m[M_YY] * s[SUM_YY];
+    double ax = m[M_XX] * s[SUM_XX] + m[M_YX] * s[SUM_XY];
+    double ay = m[M_XX] * s[SUM_XY] + m[M_YX] * s[SUM_YY];
+    double bx = m[M_XY] * s[SUM_XX] + m[M_YY] * s[SUM_XY];
+    double by = m[M_XY] * s[SUM_XY] + m[M_YY] * s[SUM_YY];
     to[SUM_SPEED] = s[SUM_SPEED];
     to[SUM_X] = m[M_XX] * s[SUM_X] + m[M_YX] * s[SUM_Y];
     to[SUM_Y] = m[M_XY] * s[SUM_X] + m[M_YY] * s[SUM_Y];
@@ -311,20 +315,31 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
     memcpy(friction, f.friction, (toward ? WRENCH : FRICTION_SIZE) * sizeof(double));
 }
 
-/* Derivatives of the wrench by theta through the pressure, and by the floor's and the plate's shape,
-   by columns. The floor's turns against the plate. */
+/* Derivatives of the wrench by theta through the pressure, since the floor's shape turns against
+   the plate. */
+static void friction_by_turning(const Pressure *pressure, Pressed *at, const double *twist,
+                                const double *m, int is_far, double *by_turning) {
+    double turned[SHAPE_SIZE], quadratic[QUADRATIC_SIZE], by[FRICTION_SIZE];
+    if (!at->has_slopes) slopes_of(at);
+    shapes_by_theta(pressure, at, turned);
+    for (int k = 0; k < QUADRATIC_SIZE; ++k)
+        quadratic[k] = turned[SHAPE_BOW_X] * at->by_shape[SHAPE_BOW_X][k]
+                       + turned[SHAPE_BOW_Y] * at->by_shape[SHAPE_BOW_Y][k];
+    sum_pressed(pressure, at, quadratic, twist, m, 0, is_far, by);
+    memcpy(by_turning, by, WRENCH * sizeof(double));
+}
+
+/* Derivatives of the wrench by the floor's and the plate's shape, by columns. */
 static void friction_by_shapes(const Pressure *pressure, Pressed *at, const double *twist,
-                               const double *m, int is_far, double *by_turning, double *by_shapes) {
-    double by[SHAPE_SIZE][FRICTION_SIZE], turned[SHAPE_SIZE];
+                               const double *m, int is_far, double *by_shapes) {
+    double by[SHAPE_SIZE][FRICTION_SIZE];
     double c = cos(2.0 * at->theta), s = sin(2.0 * at->theta);
     if (!at->has_slopes) slopes_of(at);
     for (int k = 0; k < SHAPE_SIZE; ++k)
         sum_pressed(pressure, at, at->by_shape[k], twist, m, 0, is_far, by[k]);
-    shapes_by_theta(pressure, at, turned);
     double *floor = by_shapes, *plate = by_shapes + WRENCH * SHAPE_SIZE;
     for (int j = 0; j < WRENCH; ++j) {
         double dome = by[SHAPE_DOME][j], bow_x = by[SHAPE_BOW_X][j], bow_y = by[SHAPE_BOW_Y][j];
-        by_turning[j] = turned[SHAPE_BOW_X] * bow_x + turned[SHAPE_BOW_Y] * bow_y;
         plate[WRENCH * SHAPE_DOME + j] = floor[WRENCH * SHAPE_DOME + j] = dome;
         plate[WRENCH * SHAPE_BOW_X + j] = bow_x;
         plate[WRENCH * SHAPE_BOW_Y + j] = bow_y;

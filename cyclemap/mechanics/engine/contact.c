@@ -100,10 +100,12 @@ static void friction_varies(const Stroke *r, const Begun *b, int all, double *by
     const Pressure *pressure = &r->object->pressure;
     friction_by_law(pressure, r->pressed, b->twist, b->matrix, r->is_far, !all, by_law);
     memset(by_turning, 0, WRENCH * sizeof(double));
-    if (is_pressed(pressure))
-        friction_by_shapes(pressure, r->pressed, b->twist, b->matrix, r->is_far, by_turning,
-                           by_pressure + WRENCH * SHARES);
-    else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, by_pressure);
+    if (is_pressed(pressure)) {
+        friction_by_turning(pressure, r->pressed, b->twist, b->matrix, r->is_far, by_turning);
+        if (all)
+            friction_by_shapes(pressure, r->pressed, b->twist, b->matrix, r->is_far,
+                               by_pressure + WRENCH * SHARES);
+    } else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, by_pressure);
 }
 
 static void finish(const Motion *m, const Begun *b, const double *z, const double *wrench,

@@ -1,6 +1,10 @@
 /* Pushes and drags in the world, and whole cycles: a push, and the drag back by the ring; with
    their derivatives. Lengths in extents. */
 
+/* Where a floor's shape that varies with the place is taken: this share of a push's way ahead, since
+   the object goes about half as far as the rod; of a leg of a drag in its middle. */
+static const double PUSH_SHARE = 0.25;
+
 /* An object on its way: place of its origin, orientation, and how both vary, by columns. */
 enum { POSE_X, POSE_Y, POSE_THETA, POSE };
 typedef struct { double place[2], theta, by[POSE * MOST_VARIED]; int count; } Body;
@@ -26,6 +30,14 @@ static void set_sources(const Loop *loop, Variation *v) {
         for (int j = 0; j < OF_PRESSURE; ++j)
             v->source[VARIED + j][k] = one(loop, k, BY_PRESSURE[j], 0);
     }
+}
+
+/* A floor's shape that varies with the place varies as the place does. */
+static void move_floor(const Ground *ground, const double *by_place, Variation *v, int k) {
+    if (!varies(&ground->object)) return;
+    for (int s = 0; s < SHAPE_SIZE; ++s)
+        v->source[SOURCE_FLOOR_DOME + s][k] +=
+            ground->by[s][X] * by_place[X] + ground->by[s][Y] * by_place[Y];
 }
 
 /* The rod's centre seen from the object's origin, in the world's axes; by the state and by the
@@ -61,12 +73,18 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
 /* The push: moves the object, writes its part of the result; LEFT, DISTANCE, or why not. */
 static int push_object(const Loop *loop, Body *body, double *result, const volatile int64_t *stop,
                        Record *record) {
-    Pressed pressed;
-    begin_pressed(&pressed, loop->object.tolerance);
+    Ground ground;
+    double centre[2], place[2], direction = loop->direction;
+    if (loop->with_object) direction += body->theta;
+    turned(body->theta, loop->object.pressure.middle, centre);
+    const double ahead[] = {cos(direction), sin(direction)};
+    for (int c = 0; c < 2; ++c)
+        place[c] = body->place[c] + centre[c] + PUSH_SHARE * loop->length * ahead[c];
+    if (!stand(&loop->object, place, &ground)) return UNSOLVED;
     Stroke r = {
-        .object = &loop->object,
-        .pressed = &pressed,
-        .direction = loop->direction + (loop->with_object ? body->theta : 0.0),
+        .object = &ground.object,
+        .pressed = &ground.pressed,
+        .direction = direction,
         .friction = loop->rod_friction,
         .longest = record ? record->longest : INFINITY,
         .pinned = -1,
@@ -94,6 +112,15 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
                 + one(loop, k, BY_ANGLE, 1) + turning * along;
             v.source[SOURCE_RADIUS][k] = wider;
             v.source[SOURCE_SMU][k] = one(loop, k, BY_PUSHER_FRICTION, 0);
+            double farther = PUSH_SHARE * one(loop, k, BY_DISTANCE, 1);
+            double by_direction = loop->with_object ? by[POSE_THETA] : 0.0;
+            by_direction += one(loop, k, BY_ANGLE, 1) + turning * along;
+            double aside = PUSH_SHARE * loop->length * by_direction;
+            const double moved[] = {
+                by[POSE_X] - centre[Y] * by[POSE_THETA] + farther * ahead[X] - aside * ahead[Y],
+                by[POSE_Y] + centre[X] * by[POSE_THETA] + farther * ahead[Y] + aside * ahead[X],
+            };
+            move_floor(&ground, moved, &v, k);
             for (int c = 0; c < 2; ++c)
                 by_before[k][c] = by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
                     + by_radius[c] * wider;
@@ -150,8 +177,8 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
     const double *hitch = o->pieces + o->piece_count * PIECE_COLUMNS + PIECE_GEOMETRY;
     const double unit[2][2] = {{1, 0}, {0, 1}};
     double lever[2], by_ring[MOST_VARIED][2], ring[2], moved = 0.0;
-    Pressed pressed;
-    begin_pressed(&pressed, o->tolerance);
+    const double *middle = o->pressure.middle;
+    const double own[] = {middle[X] - hitch[X], middle[Y] - hitch[Y]};
     turned(body->theta, hitch, lever);
     for (int c = 0; c < 2; ++c) ring[c] = body->place[c] + lever[c];
     for (int k = 0; k < body->count; ++k) {
@@ -166,9 +193,14 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
         if (goes <= NO_LEG) continue;
         const double toward[] = {dx / goes, dy / goes};
         double state[] = {body->theta, 0.0}, travel = 0.0;
+        Ground ground;
+        double centre[2], place[2];
+        turned(body->theta, own, centre);
+        for (int c = 0; c < 2; ++c) place[c] = 0.5 * (ring[c] + goal[c]) + centre[c];
+        if (!stand(o, place, &ground)) return UNSOLVED;
         Stroke r = {
-            .object = o,
-            .pressed = &pressed,
+            .object = &ground.object,
+            .pressed = &ground.pressed,
             .direction = atan2(dy, dx),
             .friction = loop->pin_friction,
             .longest = record ? record->longest : INFINITY,
@@ -193,6 +225,14 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
                 v.source[SOURCE_SMU][k] = one(loop, k, BY_PIN_FRICTION_RADIUS, 0);
                 v.source[SOURCE_GEOMETRY_0 + RING_X][k] = one(loop, k, BY_HITCH_X, 0);
                 v.source[SOURCE_GEOMETRY_0 + RING_Y][k] = one(loop, k, BY_HITCH_Y, 0);
+                double turn = body->by[POSE * k + POSE_THETA], across[2] = {0.0, 0.0};
+                if (k == BY_HITCH_X || k == BY_HITCH_Y)
+                    turned(body->theta, unit[k - BY_HITCH_X], across);
+                const double shifted[] = {
+                    0.5 * by_ring[k][X] - centre[Y] * turn - across[X],
+                    0.5 * by_ring[k][Y] + centre[X] * turn - across[Y],
+                };
+                move_floor(&ground, shifted, &v, k);
             }
         }
         Motion m = motion_of(&r, RING, (int)o->piece_count, 0.0, 0.0);

@@ -1,4 +1,5 @@
 /* Friction under ellipses: even or leaning patches, and loads along the rim, by trapezoidal rules.
+   docs/theory/ellipse-sums.md derives them.
 
    Patches: integrands are analytic and periodic: the error of n nodes falls with exp(-2 n delta),
    delta the distance of the nearest singularity from the real axis. Where that is short, tan t =

@@ -1,5 +1,5 @@
-/* The contact of a foundation that is pressed: p = max(0, P), P = c + l . x + q, q a quadratic of the
-   plate's shape and, turned against it, the floor's; c and l by the balance of load and moment.
+/* The contact of a foundation that is pressed: p = max(0, P), P = c + l . x + q, q a quadratic of
+   the plate's shape and, turned against it, the floor's; c and l by the balance of load and moment.
    Places x are off the outline's centroid, P is per unit load.
 
    The contact, where P > 0, is bounded by stretches of the outline and by arcs of the conic P = 0,
@@ -8,8 +8,8 @@
 enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_PLACES = 64 };
 /* Integrals of monomials over the contact. */
 enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
-/* Load and moments: of 1, x and y. */
-enum { BALANCE_SIZE = 3 };
+/* Load and moments: of 1, x and y; and what balances them, c and l. */
+enum { LOAD, MOMENT_X, MOMENT_Y, BALANCE_SIZE };
 /* Arcs are halved until their axis is this at least. */
 static const double LEAST_AXIS = 1.8;
 enum { MOST_HALVINGS = 6 };
@@ -23,10 +23,15 @@ static const double STRAIGHT = 1e-9;
 /* Loads, of one, that may lack: aimed at, and at the most. */
 static const double BALANCED = 1e-13, NEARLY_BALANCED = 1e-11;
 enum { MOST_CORRECTIONS = 200 };
+/* Steps are halved down to this share. */
+static const double SHORTEST_STEP = 1e-6;
 /* The table serves as it is where it is off by less than this share of a motion's tolerance. */
-static const double LEAN_SHARE = 0.01;
-/* Motions up to these tolerances are fine ones, usual ones. */
-static const double FINE = 2e-11, USUAL = 1e-7;
+static const double LEAN_SHARE = 0.1;
+/* A correction by less leaves nothing. */
+static const double WELL_CORRECTED = 3e-8;
+enum { MOST_REPEATS = 3 };
+/* The classes of digits serve motions of tolerances above these. */
+static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
 
 /* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
    meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
@@ -50,7 +55,9 @@ typedef struct Pressed {
 
 /* Which of BOUNDARY_REACH serves a tolerance. */
 static int digits_for(double tolerance) {
-    return tolerance > USUAL ? 0 : tolerance > FINE ? 1 : 2;
+    int digits = 0;
+    while (tolerance <= ABOVE[digits]) ++digits;
+    return digits;
 }
 
 static void begin_pressed(Pressed *at, double tolerance) {
@@ -60,15 +67,17 @@ static void begin_pressed(Pressed *at, double tolerance) {
 }
 
 static inline double pressure_at(const double *p, double x, double y) {
-    return p[Q_LEVEL] + x * (p[Q_SLOPE_X] + p[Q_XX] * x + 2.0 * p[Q_XY] * y) + y * (p[Q_SLOPE_Y] + p[Q_YY] * y);
+    double along_x = p[Q_SLOPE_X] + p[Q_XX] * x + 2.0 * p[Q_XY] * y;
+    return p[Q_LEVEL] + x * along_x + y * (p[Q_SLOPE_Y] + p[Q_YY] * y);
 }
 
 static inline void gradient_at(const double *p, double x, double y, double *to) {
-    to[0] = p[Q_SLOPE_X] + 2.0 * (p[Q_XX] * x + p[Q_XY] * y);
-    to[1] = p[Q_SLOPE_Y] + 2.0 * (p[Q_XY] * x + p[Q_YY] * y);
+    to[X] = p[Q_SLOPE_X] + 2.0 * (p[Q_XX] * x + p[Q_XY] * y);
+    to[Y] = p[Q_SLOPE_Y] + 2.0 * (p[Q_XY] * x + p[Q_YY] * y);
 }
 
-/* The quadratic of both shapes at an orientation, in the plate's frame: dome, and the parts of the bow. */
+/* The quadratic of both shapes at an orientation, in the plate's frame: dome, and the parts of the
+   bow. */
 static void shapes_at(const Pressure *pressure, double theta, double *shape) {
     const double *plate = pressure->plate, *floor = pressure->floor;
     double c = cos(2.0 * theta), s = sin(2.0 * theta);
@@ -89,24 +98,30 @@ static int is_ellipse(const Pressure *pressure) { return pressure->side_count ==
 
 static int is_inside(const Pressure *pressure, double x, double y) {
     const double *at = pressure->outline;
-    if (x * x + y * y > pressure->reach) return 0;
-    if (is_ellipse(pressure)) return x * x / (at[0] * at[0]) + y * y / (at[1] * at[1]) < 1.0;
+    if (!(x * x + y * y <= pressure->reach)) return 0;
+    if (is_ellipse(pressure)) return x * x / (at[X] * at[X]) + y * y / (at[Y] * at[Y]) < 1.0;
     int inside = 0;
     for (int64_t i = 0, j = pressure->side_count - 1; i < pressure->side_count; j = i++) {
         const double *a = at + 2 * i, *b = at + 2 * j;
-        if ((a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+        if ((a[Y] > y) == (b[Y] > y)) continue;
+        if (x < a[X] + (y - a[Y]) / (b[Y] - a[Y]) * (b[X] - a[X])) inside = !inside;
     }
     return inside;
 }
 
-/* Places where the boundary of the contact changes, in the conic's frame. */
-typedef struct { double u, v, at[2]; } Place;
+/* Places where the boundary of the contact changes, in the conic's frame: on the outline, around
+   which P turns negative (the boundary goes on along the conic) or positive (it comes from there),
+   or inside of it. */
+enum { IS_INNER, IS_START, IS_END };
+typedef struct { double u, v, at[2]; int kind; } Place;
 typedef struct { int count; Place of[MOST_PLACES]; } Places;
 
-static void note(Places *places, double x, double y) {
+static void note(Places *places, double x, double y, int kind) {
     if (places->count < MOST_PLACES) {
-        places->of[places->count].at[0] = x;
-        places->of[places->count].at[1] = y;
+        Place *place = places->of + places->count;
+        place->at[X] = x;
+        place->at[Y] = y;
+        place->kind = kind;
     }
     ++places->count;
 }
@@ -115,7 +130,7 @@ static void note(Places *places, double x, double y) {
 static void cut_side(Pressed *at, const double *a, const double *b, double first, double last,
                      Places *crossings) {
     const double *p = at->pressure;
-    double ex = b[0] - a[0], ey = b[1] - a[1];
+    double ex = b[X] - a[X], ey = b[Y] - a[Y];
     double square = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
     double linear = last - first - square, root[2] = {-1.0, -1.0}, stops[4] = {0.0};
     double inside = linear * linear - 4.0 * square * first;
@@ -130,7 +145,8 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
     for (int k = 0; k < 2; ++k) {
         double t = root[(root[0] <= root[1]) ? k : 1 - k];
         if (!(t >= 0.0 && t < 1.0)) continue;
-        note(crossings, a[0] + t * ex, a[1] + t * ey);
+        int is_rising = linear + 2.0 * t * square > 0.0;
+        note(crossings, a[X] + t * ex, a[Y] + t * ey, is_rising ? IS_END : IS_START);
         stops[count++] = t;
     }
     stops[count++] = 1.0;
@@ -139,37 +155,47 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
         if (!(first + middle * (linear + middle * square) > 0.0)) continue;
         if (at->side_count < MOST_SIDES) {
             double *to = at->sides[at->side_count];
-            to[0] = a[0] + stops[k] * ex;
-            to[1] = a[1] + stops[k] * ey;
-            to[2] = a[0] + stops[k + 1] * ex;
-            to[3] = a[1] + stops[k + 1] * ey;
+            to[EDGE_START_X] = a[X] + stops[k] * ex;
+            to[EDGE_START_Y] = a[Y] + stops[k] * ey;
+            to[EDGE_END_X] = a[X] + stops[k + 1] * ex;
+            to[EDGE_END_Y] = a[Y] + stops[k + 1] * ey;
         }
         ++at->side_count;
     }
 }
 
 /* P along an ellipse's rim, (x, y) on the unit circle, and how it changes with the angle. */
-typedef struct { double level, slope[2], bend[3]; } Around;
+typedef struct { double level, slope[2], xx, xy, yy; } Around;
 
 static Around around_of(const double *p, const double *semi) {
-    double a = semi[0], b = semi[1];
-    return (Around){p[Q_LEVEL], {a * p[Q_SLOPE_X], b * p[Q_SLOPE_Y]}, {a * a * p[Q_XX], a * b * p[Q_XY], b * b * p[Q_YY]}};
+    double a = semi[X], b = semi[Y];
+    return (Around){
+        .level = p[Q_LEVEL],
+        .slope = {a * p[Q_SLOPE_X], b * p[Q_SLOPE_Y]},
+        .xx = a * a * p[Q_XX],
+        .xy = a * b * p[Q_XY],
+        .yy = b * b * p[Q_YY],
+    };
 }
 
 static double around_at(const Around *e, double x, double y) {
-    return e->level + x * (e->slope[0] + e->bend[0] * x + 2.0 * e->bend[1] * y) + y * (e->slope[1] + e->bend[2] * y);
+    double along_x = e->slope[X] + e->xx * x + 2.0 * e->xy * y;
+    return e->level + x * along_x + y * (e->slope[Y] + e->yy * y);
 }
 
 static double around_slope(const Around *e, double x, double y) {
-    return x * e->slope[1] - y * e->slope[0] + 2.0 * (e->bend[1] * (x * x - y * y) + (e->bend[2] - e->bend[0]) * x * y);
+    double bent = e->xy * (x * x - y * y) + (e->yy - e->xx) * x * y;
+    return x * e->slope[Y] - y * e->slope[X] + 2.0 * bent;
 }
 
 /* Where a function along the rim changes its sign between two angles. */
-static double zero_between(double (*of)(const Around *, double, double), const Around *e, double low, double high) {
+static double zero_between(double (*of)(const Around *, double, double), const Around *e,
+                           double low, double high) {
     double at_low = of(e, cos(low), sin(low)), at_high = of(e, cos(high), sin(high));
-    for (int i = 0; i < 100 && high - low > 4e-16 * fmax(1.0, fabs(high)); ++i) {
+    enum { MOST_TRIALS = 100, HALVED_AT = 3 };
+    for (int i = 1; i <= MOST_TRIALS && high - low > 4e-16 * fmax(1.0, fabs(high)); ++i) {
         double t = low - at_low * (high - low) / (at_high - at_low);
-        if (i % 3 == 2 || !(low < t && t < high)) t = 0.5 * (low + high);
+        if (i % HALVED_AT == 0 || !(low < t && t < high)) t = 0.5 * (low + high);
         double value = of(e, cos(t), sin(t));
         if (value == 0.0) return t;
         if ((value > 0.0) == (at_low > 0.0)) {
@@ -199,13 +225,18 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
     double half = 0.5 * (to - from) / count, weight = cos(half);
     for (int i = 0; i < count; ++i) {
         double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
-        Arc arc = {{semi[0] * cos(low), semi[1] * sin(low)}, {semi[0] * cos(high), semi[1] * sin(high)},
-                   {semi[0] * cos(middle) / weight, semi[1] * sin(middle) / weight}, weight};
+        Arc arc = {
+            .a = {semi[X] * cos(low), semi[Y] * sin(low)},
+            .b = {semi[X] * cos(high), semi[Y] * sin(high)},
+            .c = {semi[X] * cos(middle) / weight, semi[Y] * sin(middle) / weight},
+            .weight = weight,
+        };
         put_arc(at, &arc);
     }
 }
 
-/* The same of an ellipse's rim: P along it has four zeros at most, and one between neighbours of its extremes. */
+/* The same of an ellipse's rim: P along it has four zeros at most, one between neighbours of its
+   extremes. */
 static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     enum { MOST = 2 * RIM_SAMPLES };
     Around e = around_of(at->pressure, semi);
@@ -234,9 +265,10 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     }
     cuts[cut_count] = cuts[0] + 2.0 * M_PI;
     for (int i = 0; i < cut_count; ++i) {
-        note(crossings, semi[0] * cos(cuts[i]), semi[1] * sin(cuts[i]));
         double middle = 0.5 * (cuts[i] + cuts[i + 1]);
-        if (around_at(&e, cos(middle), sin(middle)) > 0.0) add_rims(at, semi, cuts[i], cuts[i + 1]);
+        int kind = around_at(&e, cos(middle), sin(middle)) > 0.0 ? IS_END : IS_START;
+        note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kind);
+        if (kind == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
     }
 }
 
@@ -245,16 +277,16 @@ static ALWAYS_INLINE Lanes all(double x) { return (Lanes){0.0} + x; }
 /* An arc as it is summed: its ends and middle, and by its cross products how it sweeps areas. */
 typedef struct { Lanes weight, x[3], y[3], areas[3]; } Sweep;
 
-static Sweep sweep_of(const Arc *arc) {
-    const double *a = arc->a, *b = arc->b, *c = arc->c;
+static ALWAYS_INLINE Sweep sweep_of(double weight, const double *a, const double *c,
+                                    const double *b) {
     double first = a[X] * (c[Y] - a[Y]) - a[Y] * (c[X] - a[X]);
     double whole = a[X] * (b[Y] - a[Y]) - a[Y] * (b[X] - a[X]);
     double last = c[X] * (b[Y] - c[Y]) - c[Y] * (b[X] - c[X]);
     return (Sweep){
-        all(arc->weight),
+        all(weight),
         {all(a[X]), all(c[X]), all(b[X])},
         {all(a[Y]), all(c[Y]), all(b[Y])},
-        {all(2.0 * arc->weight * first), all(whole), all(2.0 * arc->weight * last)},
+        {all(2.0 * weight * first), all(whole), all(2.0 * weight * last)},
     };
 }
 
@@ -274,30 +306,43 @@ static double axis_of(double weight) {
     return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
 }
 
-/* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle, is that of the arc. */
+/* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle,
+   is that of the arc. */
 static void add_arc(Pressed *at, const double *a, const double *b) {
-    const double *p = at->pressure, ex = b[0] - a[0], ey = b[1] - a[1];
+    const double *p = at->pressure, ex = b[X] - a[X], ey = b[Y] - a[Y];
     double first[2], last[2];
-    gradient_at(p, a[0], a[1], first);
-    gradient_at(p, b[0], b[1], last);
-    double turn = first[0] * last[1] - first[1] * last[0], size = size_of(first[0], first[1]) * size_of(last[0], last[1]);
+    gradient_at(p, a[X], a[Y], first);
+    gradient_at(p, b[X], b[Y], last);
+    double turn = first[X] * last[Y] - first[Y] * last[X];
+    double size = size_of(first[X], first[Y]) * size_of(last[X], last[Y]);
     if (!(fabs(turn) > STRAIGHT_TURN * size)) {
         if (at->side_count < MOST_SIDES) {
-            const double side[] = {a[0], a[1], b[0], b[1]};
+            const double side[] = {a[X], a[Y], b[X], b[Y]};
             memcpy(at->sides[at->side_count], side, sizeof side);
         }
         ++at->side_count;
         return;
     }
     /* c = a + along (-first_y, first_x): off both gradients */
-    double along = (last[0] * ex + last[1] * ey) / turn, cx = -along * first[1], cy = along * first[0];
+    double along = (last[X] * ex + last[Y] * ey) / turn, cx = -along * first[Y];
+    double cy = along * first[X];
     double bulge = p[Q_XX] * ex * ex + 2.0 * p[Q_XY] * ex * ey + p[Q_YY] * ey * ey;
     double bent = p[Q_XX] * cx * cx + 2.0 * p[Q_XY] * cx * cy + p[Q_YY] * cy * cy;
-    Arc whole = {{a[0], a[1]}, {b[0], b[1]}, {a[0] + cx, a[1] + cy}, sqrt(fabs(0.25 * bulge / bent))};
+    Arc whole = {
+        .a = {a[X], a[Y]},
+        .b = {b[X], b[Y]},
+        .c = {a[X] + cx, a[Y] + cy},
+        .weight = sqrt(fabs(0.25 * bulge / bent)),
+    };
+    if (axis_of(whole.weight) >= LEAST_AXIS) {
+        put_arc(at, &whole);
+        return;
+    }
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
     double weight = whole.weight;
-    for (; halvings < MOST_HALVINGS && axis_of(weight) < LEAST_AXIS; ++halvings) weight = sqrt(0.5 * (1.0 + weight));
+    for (; halvings < MOST_HALVINGS && axis_of(weight) < LEAST_AXIS; ++halvings)
+        weight = sqrt(0.5 * (1.0 + weight));
     for (int i = 0; i < 1 << halvings; ++i) {
         Arc arc = whole;
         for (int level = halvings - 1; level >= 0; --level) {
@@ -305,7 +350,8 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
             Arc half = arc;
             int later = i >> level & 1;
             for (int k = 0; k < 2; ++k) {
-                double before = share * (arc.a[k] + arc.weight * arc.c[k]), after = share * (arc.b[k] + arc.weight * arc.c[k]);
+                double before = share * (arc.a[k] + arc.weight * arc.c[k]);
+                double after = share * (arc.b[k] + arc.weight * arc.c[k]);
                 *(later ? half.a + k : half.b + k) = 0.5 * (before + after);
                 half.c[k] = later ? after : before;
             }
@@ -325,7 +371,8 @@ static void sort_places(Places *places) {
     }
 }
 
-/* The conic in a frame of its own: P = a u^2 + b u + d v^2 + e v + c, |a| >= |d|, so that u is a root along v. */
+/* The conic in a frame of its own: P = a u^2 + b u + d v^2 + e v + c, |a| >= |d|, so that u is a
+   root along v. */
 typedef struct { double cosine, sine, a, b, c, d, e; } Conic;
 
 static Conic conic_of(const double *p) {
@@ -359,46 +406,72 @@ static double branch_at(const Conic *k, double v, double sign) {
     return (root - k->b) / (2.0 * k->a);
 }
 
+static void place_at(const Conic *k, double u, double v, Place *place) {
+    double x = k->cosine * u - k->sine * v, y = k->sine * u + k->cosine * v;
+    *place = (Place){u, v, {x, y}, IS_INNER};
+}
+
+/* Where the conic goes from one branch to the other, inside the outline. */
+static int turns_of(const Pressure *pressure, const Conic *k, Place *turns) {
+    double square = -4.0 * k->a * k->d, linear = -4.0 * k->a * k->e;
+    double level = k->b * k->b - 4.0 * k->a * k->c, inside = linear * linear - 4.0 * square * level;
+    if (!(inside > 0.0)) return 0;
+    double down = -0.5 * (linear + copysign(sqrt(inside), linear));
+    const double at[] = {level / down, down / square};
+    int count = 0;
+    for (int i = 0; i < 2; ++i) {
+        place_at(k, -k->b / (2.0 * k->a), at[i], turns + count);
+        if (is_inside(pressure, turns[count].at[X], turns[count].at[Y])) ++count;
+    }
+    return count;
+}
+
+/* The arcs between the places of one branch, on which P > 0 on the left; u grows with P where
+   `side` is 1, so that v falls along it there, and grows on the other. */
+static void add_branch(const Pressure *pressure, Pressed *at, const Conic *k, double side,
+                       Places *branch) {
+    for (int i = 0; i + 1 < branch->count; ++i) {
+        const Place *low = branch->of + i, *high = low + 1;
+        const Place *from = side > 0.0 ? high : low, *to = side > 0.0 ? low : high;
+        int is_begun = from->kind != IS_END, is_ended = to->kind != IS_START;
+        if (is_begun != is_ended) {
+            /* places so close that rounding has them in another order */
+            Place middle;
+            double v = 0.5 * (low->v + high->v);
+            place_at(k, branch_at(k, v, side), v, &middle);
+            is_begun = is_inside(pressure, middle.at[X], middle.at[Y]);
+        }
+        if (is_begun && high->v > low->v) add_arc(at, from->at, to->at);
+    }
+}
+
 /* The arcs of P = 0 inside the outline, from its crossings of it and from where it turns. */
 static void cut_inside(const Pressure *pressure, Pressed *at, const Places *crossings) {
     Conic k = conic_of(at->pressure);
-    double turns[2], square = -4.0 * k.a * k.d, linear = -4.0 * k.a * k.e, level = k.b * k.b - 4.0 * k.a * k.c;
-    double inside = linear * linear - 4.0 * square * level;
-    int turn_count = 0;
-    if (inside > 0.0) {
-        double down = -0.5 * (linear + copysign(sqrt(inside), linear));
-        if (down != 0.0) turns[turn_count++] = level / down;
-        if (square != 0.0) turns[turn_count++] = down / square;
-    }
     /* what does not cross the outline is closed, an ellipse */
-    if (!crossings->count && !(turn_count && k.a * k.d > 0.0)) return;
-    for (int side = -1; side <= 1; side += 2) {
+    if (!crossings->count && !(k.a * k.d > 0.0)) return;
+    Place turns[2];
+    int turn_count = turns_of(pressure, &k, turns);
+    if (!crossings->count && !turn_count) return;
+    for (double side = -1.0; side <= 1.0; side += 2.0) {
         Places branch;
-        branch.count = 0;
+        branch.count = turn_count;
+        memcpy(branch.of, turns, (size_t)turn_count * sizeof *turns);
         for (int i = 0; i < crossings->count; ++i) {
-            const double *place = crossings->of[i].at;
-            double u = k.cosine * place[0] + k.sine * place[1], v = k.cosine * place[1] - k.sine * place[0];
-            if ((2.0 * k.a * u + k.b > 0.0) != (side > 0)) continue;
-            branch.of[branch.count++] = (Place){u, v, {place[0], place[1]}};
+            Place place = crossings->of[i];
+            place.u = k.cosine * place.at[X] + k.sine * place.at[Y];
+            place.v = k.cosine * place.at[Y] - k.sine * place.at[X];
+            int is_here = (2.0 * k.a * place.u + k.b > 0.0) == (side > 0.0);
+            if (is_here) branch.of[branch.count++] = place;
         }
-        for (int i = 0; i < turn_count + 1; ++i) {
-            double v = i < turn_count ? turns[i] : -k.e / (2.0 * k.d);
-            double u = i < turn_count ? -k.b / (2.0 * k.a) : branch_at(&k, v, side);
-            double x = k.cosine * u - k.sine * v, y = k.sine * u + k.cosine * v;
-            if (!isfinite(x) || !isfinite(y) || branch.count == MOST_PLACES || !is_inside(pressure, x, y)) continue;
-            branch.of[branch.count++] = (Place){u, v, {x, y}};
-        }
+        if (!branch.count) continue;
+        /* halfway between the turns no arc turns by more than a right angle */
+        Place *middle = branch.of + branch.count;
+        double v = -k.e / (2.0 * k.d);
+        place_at(&k, branch_at(&k, v, side), v, middle);
+        if (is_inside(pressure, middle->at[X], middle->at[Y])) ++branch.count;
         sort_places(&branch);
-        for (int i = 0; i + 1 < branch.count; ++i) {
-            const Place *low = branch.of + i, *high = low + 1;
-            double v = 0.5 * (low->v + high->v), u = branch_at(&k, v, side), gradient[2];
-            double x = k.cosine * u - k.sine * v, y = k.sine * u + k.cosine * v;
-            if (!(high->v > low->v) || !isfinite(u) || !is_inside(pressure, x, y)) continue;
-            gradient_at(at->pressure, x, y, gradient);
-            double ex = high->at[0] - low->at[0], ey = high->at[1] - low->at[1];
-            int forward = ex * gradient[1] - ey * gradient[0] > 0.0;
-            add_arc(at, forward ? low->at : high->at, forward ? high->at : low->at);
-        }
+        add_branch(pressure, at, &k, side, &branch);
     }
 }
 
@@ -439,9 +512,11 @@ static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
     m[OF_YYY] += fy * yy;
 }
 
-/* The first of Gauss's rules that serves an ellipse with this half axis. */
+/* The first of Gauss's rules that serves an ellipse with this half axis. On parabolas, whose poles
+   are at infinity, sums are of degree 8: six nodes at least. */
+enum { LEAST_RULE = 1 };
 static int boundary_rule(double axis, int digits) {
-    int rule = 0;
+    int rule = LEAST_RULE;
     while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
     return rule;
 }
@@ -449,7 +524,7 @@ static int boundary_rule(double axis, int digits) {
 static void arc_moments(const Arc *arc, Lanes *m) {
     int rule = boundary_rule(arc->axis, DIGIT_CLASSES - 1);
     if (rule == BOUNDARY_RULE_COUNT) --rule;
-    Sweep sweep = sweep_of(arc);
+    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
         Lanes node, weight;
         Boundary at;
@@ -462,16 +537,21 @@ static void arc_moments(const Arc *arc, Lanes *m) {
 
 /* Of the contact. Along a side Gauss's rule of four nodes is exact, two at a time. */
 static void take_moments(Pressed *at) {
-    static const double outer = 0.8611363115940526, inner = 0.3399810435848563, outer_weight = 0.3478548451374538;
-    const Lanes places[] = {{0.5 - 0.5 * outer, 0.5 + 0.5 * outer}, {0.5 - 0.5 * inner, 0.5 + 0.5 * inner}};
+    static const double outer = 0.8611363115940526, outer_weight = 0.3478548451374538;
+    static const double inner = 0.3399810435848563;
+    const Lanes places[] = {
+        {0.5 - 0.5 * outer, 0.5 + 0.5 * outer},
+        {0.5 - 0.5 * inner, 0.5 + 0.5 * inner},
+    };
     const double weights[] = {0.5 * outer_weight, 0.5 - 0.5 * outer_weight};
     Lanes m[MONOMIALS] = {{0.0}};
     for (int i = 0; i < at->side_count; ++i) {
         const double *side = at->sides[i];
-        double ex = side[2] - side[0], ey = side[3] - side[1], cross = side[0] * ey - side[1] * ex;
+        double x = side[EDGE_START_X], ex = side[EDGE_END_X] - x;
+        double y = side[EDGE_START_Y], ey = side[EDGE_END_Y] - y, cross = x * ey - y * ex;
         for (int j = 0; j < 2; ++j) {
             Lanes share = (Lanes){0.0} + weights[j] * cross;
-            Boundary on = {side[0] + places[j] * ex, side[1] + places[j] * ey, share};
+            Boundary on = {x + places[j] * ex, y + places[j] * ey, share};
             add_monomials(m, &on);
         }
     }
@@ -482,44 +562,54 @@ static void take_moments(Pressed *at) {
 
 /* Load and moments (3) of a quadratic over the contact. */
 static void loads_of(const double *m, const double *p, double *to) {
-    double xy = 2.0 * p[Q_XY];
-    to[0] = p[Q_LEVEL] * m[OF_1] + p[Q_SLOPE_X] * m[OF_X] + p[Q_SLOPE_Y] * m[OF_Y] + p[Q_XX] * m[OF_XX] + xy * m[OF_XY] + p[Q_YY] * m[OF_YY];
-    to[1] = p[Q_LEVEL] * m[OF_X] + p[Q_SLOPE_X] * m[OF_XX] + p[Q_SLOPE_Y] * m[OF_XY] + p[Q_XX] * m[OF_XXX] + xy * m[OF_XXY] + p[Q_YY] * m[OF_XYY];
-    to[2] = p[Q_LEVEL] * m[OF_Y] + p[Q_SLOPE_X] * m[OF_XY] + p[Q_SLOPE_Y] * m[OF_YY] + p[Q_XX] * m[OF_XXY] + xy * m[OF_XYY] + p[Q_YY] * m[OF_YYY];
+    /* of each monomial, those of it times 1, x and y */
+    static const int of[QUADRATIC_SIZE][BALANCE_SIZE] = {
+        [Q_LEVEL] = {OF_1, OF_X, OF_Y},      [Q_SLOPE_X] = {OF_X, OF_XX, OF_XY},
+        [Q_SLOPE_Y] = {OF_Y, OF_XY, OF_YY},  [Q_XX] = {OF_XX, OF_XXX, OF_XXY},
+        [Q_XY] = {OF_XY, OF_XXY, OF_XYY},    [Q_YY] = {OF_YY, OF_XYY, OF_YYY},
+    };
+    for (int k = 0; k < BALANCE_SIZE; ++k) {
+        to[k] = p[Q_XY] * m[of[Q_XY][k]];
+        for (int j = 0; j < QUADRATIC_SIZE; ++j) to[k] += p[j] * m[of[j][k]];
+    }
 }
 
 /* c and l (3) whose load and moments over the contact are these. */
 static void lean_for(const double *m, const double *load, double *to) {
     /* symmetric: rows 1, x, y */
-    double a = m[OF_XX] * m[OF_YY] - m[OF_XY] * m[OF_XY], b = m[OF_Y] * m[OF_XY] - m[OF_X] * m[OF_YY], c = m[OF_X] * m[OF_XY] - m[OF_Y] * m[OF_XX];
+    double a = m[OF_XX] * m[OF_YY] - m[OF_XY] * m[OF_XY];
+    double b = m[OF_Y] * m[OF_XY] - m[OF_X] * m[OF_YY];
+    double c = m[OF_X] * m[OF_XY] - m[OF_Y] * m[OF_XX];
     double det = m[OF_1] * a + m[OF_X] * b + m[OF_Y] * c;
-    double d = m[OF_1] * m[OF_YY] - m[OF_Y] * m[OF_Y], e = m[OF_X] * m[OF_Y] - m[OF_1] * m[OF_XY], f = m[OF_1] * m[OF_XX] - m[OF_X] * m[OF_X];
-    to[0] = (a * load[0] + b * load[1] + c * load[2]) / det;
-    to[1] = (b * load[0] + d * load[1] + e * load[2]) / det;
-    to[2] = (c * load[0] + e * load[1] + f * load[2]) / det;
+    double d = m[OF_1] * m[OF_YY] - m[OF_Y] * m[OF_Y], e = m[OF_X] * m[OF_Y] - m[OF_1] * m[OF_XY];
+    double f = m[OF_1] * m[OF_XX] - m[OF_X] * m[OF_X];
+    to[LOAD] = (a * load[LOAD] + b * load[MOMENT_X] + c * load[MOMENT_Y]) / det;
+    to[MOMENT_X] = (b * load[LOAD] + d * load[MOMENT_X] + e * load[MOMENT_Y]) / det;
+    to[MOMENT_Y] = (c * load[LOAD] + e * load[MOMENT_X] + f * load[MOMENT_Y]) / det;
 }
 
 /* What load and moments lack (3), and c and l that would make it up. */
 static double lacking(const Pressure *pressure, const Pressed *at, double *step) {
-    double load[3];
+    double load[BALANCE_SIZE];
     loads_of(at->moments, at->pressure, load);
-    for (int k = 0; k < 3; ++k) load[k] = (k ? pressure->centre[k - 1] : 1.0) - load[k];
+    for (int k = 0; k < BALANCE_SIZE; ++k) load[k] = (k ? pressure->centre[k - 1] : 1.0) - load[k];
     lean_for(at->moments, load, step);
-    return fmax(fabs(load[0]), fmax(fabs(load[1]), fabs(load[2])));
+    return fmax(fabs(load[LOAD]), fmax(fabs(load[MOMENT_X]), fabs(load[MOMENT_Y])));
 }
 
-/* Balances load and moments from the c and l at hand by Newton's method on a convex function; whether that came to an end. */
+/* Balances load and moments from the c and l at hand by Newton's method on a convex function;
+   whether that came to an end. */
 static int balance(const Pressure *pressure, Pressed *at) {
-    double step[3], tried[3], left;
+    double step[BALANCE_SIZE], tried[BALANCE_SIZE], left;
     if (!cut(pressure, at)) return 0;
     take_moments(at);
     left = lacking(pressure, at, step);
     for (int i = 0; i < MOST_CORRECTIONS && left > BALANCED; ++i) {
         double share = 1.0, now = INFINITY;
         memcpy(tried, at->pressure, sizeof tried);
-        for (; share > 1e-6; share *= 0.5) {
-            double next[3];
-            for (int k = 0; k < 3; ++k) at->pressure[k] = tried[k] + share * step[k];
+        for (; share > SHORTEST_STEP; share *= 0.5) {
+            double next[BALANCE_SIZE];
+            for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = tried[k] + share * step[k];
             if (!cut(pressure, at)) return 0;
             take_moments(at);
             now = at->moments[OF_1] > 0.0 ? lacking(pressure, at, next) : INFINITY;
@@ -538,12 +628,12 @@ static int balance(const Pressure *pressure, Pressed *at) {
 static void slopes_of(Pressed *at) {
     if (!at->has_moments) take_moments(at);
     for (int k = 0; k < SHAPE_SIZE; ++k) {
-        double shape[SHAPE_SIZE] = {0.0}, load[3], *to = at->by_shape[k];
+        double shape[SHAPE_SIZE] = {0.0}, load[BALANCE_SIZE], *to = at->by_shape[k];
         shape[k] = 1.0;
-        memset(to, 0, 3 * sizeof(double));
+        memset(to, 0, BALANCE_SIZE * sizeof(double));
         bend(to, shape);
         loads_of(at->moments, to, load);
-        for (int j = 0; j < 3; ++j) load[j] = -load[j];
+        for (int j = 0; j < BALANCE_SIZE; ++j) load[j] = -load[j];
         lean_for(at->moments, load, to);
     }
     at->has_slopes = 1;
@@ -643,7 +733,54 @@ static void press(const Pressure *pressure, double theta, Pressed *at) {
     at->theta = theta;
     at->is_known = 1;
     at->has_moments = at->has_slopes = 0;
-    if (error > LEAN_SHARE * at->tolerance) correct(pressure, at);
+    if (error <= LEAN_SHARE * at->tolerance) return;
+    double enough = fmax(at->tolerance, WELL_CORRECTED);
+    for (int i = 0; i < MOST_REPEATS && correct(pressure, at) > enough; ++i) cut(pressure, at);
+}
+
+/* The floor's shape at a place, and its derivatives by the place. Beyond the reach it stays what it
+   is at the edge. */
+static void floor_at(const Pressure *pressure, const double *place, double *shape,
+                     double by[SHAPE_SIZE][2]) {
+    double away = size_of(place[X], place[Y]), share = 1.0;
+    if (away > pressure->field_reach) share = pressure->field_reach / away;
+    double x = share * place[X], y = share * place[Y];
+    for (int k = 0; k < SHAPE_SIZE; ++k) {
+        const double *f = pressure->field + FIELD_SIZE * k;
+        shape[k] = pressure->floor[k] + x * (f[FIELD_X] + f[FIELD_XX] * x + f[FIELD_XY] * y)
+            + y * (f[FIELD_Y] + f[FIELD_YY] * y);
+        double along_x = f[FIELD_X] + 2.0 * f[FIELD_XX] * x + f[FIELD_XY] * y;
+        double along_y = f[FIELD_Y] + f[FIELD_XY] * x + 2.0 * f[FIELD_YY] * y;
+        double outward = share < 1.0 ? (along_x * x + along_y * y) / (x * x + y * y) : 0.0;
+        by[k][X] = share * (along_x - outward * x);
+        by[k][Y] = share * (along_y - outward * y);
+    }
+}
+
+/* Rows of a table that is made for one stroke: of rough to fine motions. */
+static const int64_t STROKE_ROWS[] = {24, 48, 96, 360};
+enum { MOST_STROKE_ROWS = 360 };
+
+/* An object where it is: where the floor's shape varies with the place, with that and a table of
+   its own. */
+typedef struct {
+    Object object;
+    Pressed pressed;
+    double by[SHAPE_SIZE][2], table[MOST_STROKE_ROWS * BALANCE_COLUMNS];
+} Ground;
+
+static int varies(const Object *object) { return object->pressure.field_reach > 0.0; }
+
+/* Whether the load could be balanced there. */
+static int stand(const Object *object, const double *place, Ground *ground) {
+    ground->object = *object;
+    begin_pressed(&ground->pressed, object->tolerance);
+    if (!varies(object)) return 1;
+    Pressure *pressure = &ground->object.pressure;
+    floor_at(&object->pressure, place, pressure->floor, ground->by);
+    pressure->table = ground->table;
+    pressure->table_count = STROKE_ROWS[ground->pressed.digits];
+    return cm_balance(pressure, ground->table) == pressure->table_count;
 }
 
 /* For drawings and tests: the pressure at an orientation. */

@@ -25,9 +25,11 @@ static void friction_by_law(const Pressure *pressure, const Pressed *pressed, co
     const double toward[COUNT][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
                                                {[M_YX] = m[M_YX] / mu_b, [M_YY] = m[M_YY] / mu_b},
                                                {-m[M_XY], -m[M_YY], m[M_XX], m[M_YX]}};
+    /* which way an ellipse with equal axes is turned makes no difference */
+    int is_round = m[M_XX] == m[M_YY] && m[M_XY] == -m[M_YX];
     Friction f;
     memset(by_law, 0, WRENCH * COUNT * sizeof(double));
-    for (int k = only_angle ? HALF_AXES : 0; k < COUNT; ++k) {
+    for (int k = only_angle ? HALF_AXES : 0; k < (is_round ? HALF_AXES : COUNT); ++k) {
         double *by = by_law + WRENCH * k;
         if (is_pressed(pressure)) {
             sum_pressed(pressure, pressed, pressed->pressure, twist, m, toward[k], is_far, by);

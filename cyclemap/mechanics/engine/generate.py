@@ -96,9 +96,9 @@ MIDDLE_VALUE = (
     ),
 )
 PANEL_ORDER = 12
-# Gauss's rules along what bounds a contact, and the exponents of their errors that are asked for:
-# of rough, usual and fine motions.
-BOUNDARY_RULES, BOUNDARY_DIGITS = (4, 6, 8, 10, 12, 16, 24), (18.0, 25.0, 31.0)
+# Gauss's rules along what bounds a contact, and the exponents of their errors that are asked for,
+# of rough to fine motions.
+BOUNDARY_RULES, BOUNDARY_DIGITS = (4, 6, 8, 10, 12, 16, 24), (18.0, 21.5, 25.0, 31.0)
 # Places on an ellipse's rim between which a pressure is looked at.
 RIM_SAMPLES = 32
 # Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors
@@ -195,7 +195,7 @@ def _names() -> str:
         *(schema.MOTION, schema.FRAME, schema.MARGIN, schema.MOMENT, schema.REPORT),
         *(schema.PIECE, *schema.KINDS.values(), ROW, *ROW_KINDS.values(), NODE),
         *(schema.TASK, schema.RESULT, schema.OUTPUT, schema.RECORD),
-        *(schema.QUADRATIC, schema.SHAPE, schema.BALANCE),
+        *(schema.QUADRATIC, schema.SHAPE, schema.BALANCE, schema.FIELD),
     )
     modes, parts = schema.MODES, [part.name for part in PARTS]
     shares = [SHARES.index(part.share) if part.share else -1 for part in PARTS]

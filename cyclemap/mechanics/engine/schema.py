@@ -129,6 +129,8 @@ SHAPE = Columns("SHAPE_SIZE", "SHAPE_", "dome bow_x bow_y")
 # A row of a foundation's balance: c and l at an orientation, their slopes by it, and how far the
 # cubic to the next row is off half way.
 BALANCE = Columns("BALANCE_COLUMNS", "BALANCE_", "lean:3 slope:3 error")
+# How a floor's shape varies with the place: factors of these terms of it.
+FIELD = Columns("FIELD_SIZE", "FIELD_", "x y xx xy yy")
 # The shapes of a foundation that is pressed: the floor's and the plate's numbers.
 SHAPES = tuple(f"{owner}_{name}" for owner in ("floor", "plate") for name in SHAPE.names)
 # What a pressure can be differentiated by.
@@ -165,7 +167,8 @@ RECORD = Columns(
 # nodes. Part i has the rows first_row[i] to [i + 1], and alike its nodes. Of a foundation that is
 # pressed, which has no parts: both shapes, the centre of mass off the middle, the outline's corners
 # off the middle or, without sides, its half axes, the square of how far it reaches from the middle,
-# and how it is balanced at orientations over half a turn.
+# and how it is balanced at orientations over half a turn; where the floor's shape varies with the
+# place, by how much, and up to which distance from the world's origin (else 0).
 PRESSURE = Structure(
     "Pressure",
     (
@@ -178,6 +181,8 @@ PRESSURE = Structure(
             ("table_count", "whole", 0),
             ("outline", "table", 0),
             ("table", "table", 0),
+            ("field", "number", SHAPE.size * FIELD.size),
+            ("field_reach", "number", 0),
         ),
     ),
 )

@@ -186,7 +186,7 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     double slopes[STATE_SIZE * (STATE_SIZE + SOURCES)] = {0.0}, report[REPORT];
     double other[UNKNOWN_SIZE * STATE_SIZE], *toward = is_middle ? other : m->toward;
     const Variation *v = r->varied;
-    int all = v->count > 1, sources = all ? SOURCES : 1;
+    int all = v->count > 1 || varies(r->object), sources = all ? SOURCES : 1;
     memset(by, 0, STATE_SIZE * (STATE_SIZE + v->count) * sizeof(double));
     if (is_held(m)) return 1;
     Motion with = *m;

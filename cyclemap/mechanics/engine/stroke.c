@@ -82,7 +82,7 @@ static int delays(Stroke *r, Motion *m, const double *row, double *later) {
     return 1;
 }
 
-/* Derivative by the rod's radius of its centre c in a wedge: n . c grows by one for both normals. */
+/* Derivative by the rod's radius of its centre c in a wedge: n . c grows by one for both n. */
 static void wedge_by_radius(const Stroke *r, int wedge, double *centre) {
     const double *at = piece_of(r, wedge) + PIECE_GEOMETRY;
     double first = at[WEDGE_FIRST_NORMAL], second = at[WEDGE_SECOND_NORMAL];
@@ -150,9 +150,8 @@ static int leaves_along(Stroke *r, Motion *m, int piece, int forward, double the
     double state[] = {theta, at[forward ? PIECE_LOW : PIECE_HIGH]}, row[ROW], report[REPORT];
     *m = motion_of(r, STICK, piece, 0.0, 0.0);
     if (touch_of(r, m, state).approach <= 0.0 || first_motion(r, m, state) < 0) return 0;
-    /* at a vertex a point that sticks to one side sticks to both */
-    if (r->object->radius == 0.0 && m->mode == STICK) return 0;
     if (evaluate(r, m, state, row, report) < 0) return 0;
+    /* a point that sticks to one side of a vertex sticks to both: its rate is zero */
     double rate = row[SLOPE + COORDINATE];
     return report[NORMAL_FORCE] >= 0.0 && (forward ? rate > 0.0 : rate < 0.0);
 }
@@ -174,8 +173,8 @@ static int turns_about(Stroke *r, Motion *m, int wedge, int mode, double theta) 
     return row[MARGIN + FIRST] >= 0.0 && row[MARGIN + SECOND] >= 0.0;
 }
 
-/* Whether a notch locks itself: two forces along the line through both contacts are in both cones, so
-   that squeezing holds any load. */
+/* Whether a notch locks itself: two forces along the line through both contacts are in both cones,
+   so that squeezing holds any load. */
 static int locks(const Stroke *r, int wedge, double theta) {
     double state[] = {theta, 0.0};
     Motion m = motion_of(r, WEDGE_STUCK, wedge, 0.0, 0.0);

@@ -95,6 +95,8 @@ def _foundation_tables(footprint: PressedFootprint) -> PressureTables:
     else:
         boundary = np.array([(outline.semi_x, outline.semi_y)]) / size
     record["reach"] = np.max(np.sum(boundary**2, axis=1))
+    record["field"] = footprint.field_bend.ravel()
+    record["field_reach"] = 0.0 if footprint.field is None else footprint.field.reach / size
     balance = np.zeros((BALANCE_ROWS, BALANCE.size))
     none = np.zeros((0, ROW.size)), np.zeros((0, NODE.size))
     tables = PressureTables(record, *none, boundary, balance)
