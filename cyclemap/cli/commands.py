@@ -265,7 +265,8 @@ command(
 
     DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
     tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
-    once: friction is the surface's, pressure each object's, the shift between robot and camera each data set's.
+    once: friction and mean shape are the floor's, what it is in one session that session's, a plate's shape each
+    object's, the shift between robot and camera each data set's.
     """,
     argument("data", nargs=-1, required=True, type=PATH),
     table_options,
@@ -275,6 +276,11 @@ command(
     option("--first", type=Whole(min=0), default=0, help="Leave out cycles before this one."),
     option("--most", type=Whole(min=2), default=2000, help="Pushes or drags of an object and file, at most."),
     option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file."),
+    option("--floor", metavar="MATERIAL", help="What is known of the floor: a name or a TOML file; its plates stay."),
+    option(
+        "--plate", metavar="PLATE", multiple=True, help="A plate of known shape: a name or a TOML file; repeatable."
+    ),
+    option("--target-mm", metavar="X,Y", help="Where resets end: the floor's shape may vary with the place about it."),
     option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]"),
     option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
     option("--wear", is_flag=True, help="Let the friction change over the cycles."),

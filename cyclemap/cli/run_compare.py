@@ -9,6 +9,7 @@ from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
+from cyclemap.collection.settings import plate_note
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement, mean_distances
@@ -48,8 +49,9 @@ def run_compare(
         return
     console = PeopleConsole()
     verdicts = (verdict.words for verdict in found.verdicts)
+    note = plate_note(loop.material, loop.slider)
     told = (data_sentence(found), *found.data.reading, *verdicts, *trust_sentences(found))
-    console.tell(headline(name, found), *told)
+    console.tell(headline(name, found), *told, *([f"note: {note}"] if note else []))
     for whose, quantities in found.told_pushes:
         title = f"{quantities[0].count} pushes{whose}"
         console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))

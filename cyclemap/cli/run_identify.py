@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -21,6 +21,12 @@ from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, identify
+from cyclemap.evidence.identification.known_floor import (
+    held_values,
+    known_beliefs,
+    known_shapes,
+    known_spread,
+)
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
@@ -32,7 +38,8 @@ from cyclemap.evidence.identified_material import (
 )
 from cyclemap.evidence.plausibility import implausible
 from cyclemap.mechanics import EllipseFriction, Material, load_material
-from cyclemap.mechanics.material_text import material_toml
+from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
+from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import plain_number
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
@@ -49,31 +56,42 @@ NOTHING = "–"
 
 def run_identify(
     data: Sequence[Path], table: TableOptions, select: tuple[str, ...], protocol: Path | None,
-    settings: tuple[str, ...], start: str | None, free: str | None, fix: tuple[str, ...], first: int, most: int,
-    wear: bool, no_priors: bool, name: str | None, folds: int | None, student: float, starts: int, seed: int,
-    force: bool, out: Path, picture_format: str, json_target: str | None,
+    settings: tuple[str, ...], start: str | None, floor: str | None, plate: tuple[str, ...], target_mm: str | None,
+    free: str | None, fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None,
+    folds: int | None, student: float, starts: int, seed: int, force: bool, out: Path, picture_format: str,
+    json_target: str | None,
 ) -> None:  # fmt: skip
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    surface, fixed = None if start is None else load_material(start), fixed_values(fix)
+    if floor is not None and start is not None:
+        raise InvalidInput("--floor tells what is known, and where the search begins: leave --start out")
+    begin = start if floor is None else floor
+    surface, fixed = None if begin is None else load_material(begin), fixed_values(fix)
+    known = None if floor is None else surface
+    target = None if target_mm is None else target_place(target_mm)
+    shapes = tuple(shape for one in plate for shape in load_plates(one))
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
     data, space = [readable_data(path, table, out) for path in data], starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data, loop, chosen, first=first, wear=wear, most=most, progress=report,
-            push_length=loop.push.distance if "push_mm" in told else None,
+            push_length=loop.push.distance if "push_mm" in told else None, population=known is not None, target=target,
         )  # fmt: skip
+    fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
     named = named or tuple(one for one in telling_parameters(collected.blocks) if one not in fixed)
+    held = held_values(collected.blocks, space, named, known)
+    beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
     with progress_bar("identifying") as report:
         found = identify(
             collected.blocks,
             named,
-            {key: value for key, value in fixed.items() if key not in named},
-            priors={} if no_priors else usual_beliefs(named),
+            held | {key: at for key, at in fixed.items() if key not in named},
+            priors={} if no_priors else beliefs,
+            noise=known_spread(known, collected.blocks),
             folds=folds if folds is not None else min(5, groups) if groups > 1 else 0,
             starts=starts,
             student=None if student == math.inf else student,
@@ -92,7 +110,8 @@ def run_identify(
         click.echo(f"warning: this cannot be right: {words}", err=True)
     sources = [f"{path.name} from cycle {first} on" if first else path.name for path in data]
     name = name or f"{collected.surface or chosen.get('surface', 'surface')}-identified"
-    material = identified_material(found, name, sources, collected.last_cycle, collected.loop.slider.name)
+    plate_name, last = collected.loop.slider.name, collected.last_cycle
+    material = identified_material(found, name, sources, last, plate_name, floor=known)
     _conclude(collected, found, material, bool(doubts), seed, out, picture_format, json_target)
 
 
@@ -101,7 +120,10 @@ def _conclude(
     picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
-    told, answer = identify_report(material, data.notes, found, derived), headline(material.name, derived)
+    told, answer = (
+        identify_report(material, data.notes, found, derived),
+        headline(material.name, derived, found.friction()),
+    )
     # The material file names object, push and ring that it was found with where these are not MIT's own.
     loop = with_material(data.loop, material)
     is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
@@ -124,6 +146,19 @@ def _conclude(
     following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
     for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
         console.print(line, end="\n" if line else "")
+
+
+def target_place(text: str) -> tuple[float, float]:
+    """The place (m) of a text such as `350,-30`, mm.
+
+    >>> target_place("350, -30")
+    (0.35, -0.03)
+    """
+    try:
+        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
+    except ValueError as cause:
+        raise InvalidInput(f"--target-mm {text!r} is not of the form x,y, such as 350,-30") from cause
+    return x, y
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
@@ -155,11 +190,19 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "converged": found.fit.converged,
         "level": found.level,
         "parameters": [_parameter(one) for one in found.estimates],
-        "plates": {one.plate: {key: number(value) for key, value in one.shares.items()} for one in material.plates},
+        "plates": {one.plate: _numbers(one.numbers) for one in material.plates},
+        "floor_shape": _numbers(shape_numbers(material.floor, FLOOR_SHAPE_KEYS)),
+        "sessions": {one.name: _numbers(shape_numbers(one.shape, FLOOR_SHAPE_KEYS)) for one in material.sessions},
+        "session_spread": _numbers(dict(zip(SPREAD_KEYS, material.session_spread, strict=True))),
         "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [
-            {"name": one.name, "description": one.description, "unit": _NAMES[unit], "known": one.known}
+            {
+                "name": one.name,
+                "description": one.description,
+                "unit": _NAMES.get(unit, unit.strip()),
+                "known": one.known,
+            }
             | {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
             for one in derived
             for unit, factor in [readable_unit(one.unit)]
@@ -179,6 +222,10 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
 def _friction(law: EllipseFriction) -> Json:
     told = {name: number(getattr(law, name)) for name in ("mu_a", "mu_b", "m0", "n0")}
     return {**told, "phi_deg": number(math.degrees(law.phi))}
+
+
+def _numbers(named: Mapping[str, float]) -> Json:
+    return {key: number(value) for key, value in named.items()}
 
 
 def _parameter(one: Estimate) -> Json:
@@ -233,7 +280,7 @@ def error_table(found: Identification) -> Table:
         told = [f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes]
         rows.append((one.block, kind, str(one.rows), *told))
     table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
-    table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
+    table.caption = "isotropic: the same friction all around, floor and plate flat, nothing identified"
     return table
 
 

@@ -10,6 +10,7 @@ from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
+from cyclemap.collection.settings import plate_note
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.replay.replay_table import DATASET_PUSHER, ReplayedPushes, dataset_sliders, replay_pushes
 from cyclemap.views.replay_page import replay_headline, replay_page
@@ -44,13 +45,18 @@ def run_replay(
             sliders=sliders,
             plates=material.plates,
             frames=material.frames,
+            floor=material.floor,
+            sessions=material.sessions,
+            field=material.field,
             select=selected_values(select),
             progress=report,
         )
     if not replayed.replays:
         raise CycleMapError(f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}")
+    seen = [name for name in replayed.table["object"].unique() if name in sliders]
+    notes = [note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))]
     stem, page = out / f"replay_{file_stem(material.name)}", replay_page(replayed, material.name)
-    report_json = replay_report(replayed, material.name, pusher.friction)
+    report_json = replay_report(replayed, material.name, pusher.friction, notes)
     picture = publish(report_json, page, stem, picture_format, json_target)
     if picture is None:
         return
@@ -68,6 +74,8 @@ def run_replay(
             str(row["surface"]), str(row["object"]), str(row["count"]), *errors, *motion, *turns, *turn
         )
     console.print_table(errors_table)
+    for note in notes:
+        console.print(f"note: {note}")
     if replayed.not_replayed:
         console.print(f"not replayed: {reasons_of(replayed.not_replayed)}")
     console.print(f"picture: {picture}")
@@ -94,7 +102,7 @@ _DEGREES = {
 }  # fmt: skip
 
 
-def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: float) -> Json:
+def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: float, notes: list[str]) -> Json:
     """The replays of a collection: the groups by object and by speed, every push, and the files left out."""
     error, turn_error = replayed.mean_errors
     return {
@@ -103,6 +111,7 @@ def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: floa
         "pushes": len(replayed.table),
         "mean_error_mm": _plain(1e3 * error),
         "mean_turn_error_deg": _plain(math.degrees(turn_error)),
+        "notes": notes,
         "by_object": _rows(replayed.by("surface", "object")),
         "by_speed": _rows(replayed.by("speed")),
         "replays": _rows(replayed.table),

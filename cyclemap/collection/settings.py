@@ -14,6 +14,7 @@ from cyclemap.mechanics import (
     Footprint,
     Material,
     PatchFootprint,
+    PlatePressure,
     PointFootprint,
     Polygon,
     PressedFootprint,
@@ -21,6 +22,7 @@ from cyclemap.mechanics import (
     parse_footprint,
 )
 from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.material_text import built_in_plates
 from cyclemap.mechanics.outline import Outline
 from cyclemap.text_files import file_stem
 
@@ -213,9 +215,9 @@ def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop
 def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
     """Return how an object rests on a material: by its plate, which goes by the object's name, and the floor's shape.
 
-    None where neither is known.
+    A plate that the material does not know has the built-in shape on a floor that has one. None where neither is known.
     """
-    known = material.pressure_of(slider.name)
+    known = known_plate(material, slider)
     shape = FLAT if known is None else known.shape
     if not (shape.is_flat and material.floor.is_flat and material.field is None):
         per_mean = 1.0 / mean_pressure(slider)
@@ -225,6 +227,25 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
     if known is None:
         return None
     return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
+
+
+def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
+    """Return what is known of an object's plate: by the material, else, where its floor has a shape, built in."""
+    built_in = () if material.floor.is_flat else built_in_plates()
+    return next((one for one in (*material.plates, *built_in) if one.plate == slider.name), None)
+
+
+def plate_note(material: Material, slider: Slider) -> str:
+    """Return a sentence on an object that the material does not know; empty where it does, or knows of no object.
+
+    >>> plate_note(Material("slate", EllipseFriction(0.2, 0.2), plates=(PlatePressure("hex"),)), Slider.mit("rect1"))
+    'rect1 was never seen on slate: a flat plate is taken'
+    """
+    if material.pressure_of(slider.name) is not None or (material.floor.is_flat and not material.plates):
+        return ""
+    known = known_plate(material, slider)
+    taken = "a flat plate is taken" if known is None else "its built-in shape, found on other floors, is taken"
+    return f"{slider.name} was never seen on {material.name}: {taken}"
 
 
 def on_surface(loop: "CollectionLoop", material: Material) -> "CollectionLoop":

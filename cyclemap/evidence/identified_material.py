@@ -7,17 +7,36 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import PRIOR_KIND
-from cyclemap.evidence.identification.identify import Identification, plate_shares
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.identification.data_block import BELIEF_KINDS
+from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identification.surface_parameters import (
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+    SurfaceParameters,
+    floor_field,
+    owned_shapes,
+)
 from cyclemap.evidence.laws.linear_fit import student_quantile
-from cyclemap.mechanics import EllipseFriction, FoundWith, FrameShift, Material, MaterialPosterior, PlatePressure, Wear
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FoundWith,
+    FrameShift,
+    Material,
+    MaterialPosterior,
+    PlatePressure,
+    SurfaceShape,
+    Wear,
+)
+from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, PLATE_SHAPE_KEYS, FloorSession, shape_numbers
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
@@ -29,11 +48,12 @@ POSTERIOR_SAMPLES = 200
 _FOUND_UNITS = {"pusher_mu": ("pusher_friction", 1.0), "pin_friction_mm": ("pin_friction_radius", 1e3)}
 # Units as people read them, and the factor from SI.
 _READABLE = {"rad": ("°", 57.29577951308232), "m": (" mm", 1e3), "1": ("", 1.0)}
+WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 
 @dataclass(frozen=True)
 class Derived:
-    """One quantity: its value and interval. unit : `1` or `rad`; angles are on the lift nearest to the value.
+    """One quantity: its value and interval. unit : `1`, `kPa` or `rad`; angles are on the lift nearest to the value.
 
     known : whether the data tell it; a direction that may be any is not.
     """
@@ -47,17 +67,26 @@ class Derived:
     known: bool = True
 
 
-# Names, what they are, of which parameters (by their beginning), period of an angle, least value, and law of them.
-_QUANTITIES: tuple[tuple[str, str, str, float, float, Callable[[EllipseFriction], float]], ...] = (
-    ("axis_ratio", "longer over shorter axis of the friction ellipse", "ellipticity", 0.0, 1.0,
-     lambda law: law.mu_a / law.mu_b),
-    ("axis_direction", "direction of the longer axis", "ellipticity", math.pi, 0.0, lambda law: law.phi),
-    ("offset_size", "distance of the ellipse's centre from zero, over its mean radius", "offset", 0.0, 0.0,
-     lambda law: math.hypot(law.m0, law.n0) / math.sqrt(law.mu_a * law.mu_b)),
-    ("offset_direction", "direction of the ellipse's centre", "offset", 2.0 * math.pi, 0.0,
-     lambda law: math.atan2(law.n0, law.m0) + law.phi),
-    ("mean_friction", "mean friction coefficient", "friction_scale", 0.0, 0.0,
-     lambda law: math.sqrt(law.mu_a * law.mu_b)),
+def _floor(surface: SurfaceParameters) -> SurfaceShape:
+    return owned_shapes(surface.values(), FLOOR_NAMES)[""]
+
+
+# Names, what they are, of which parameters (by their beginning), unit, period of an angle, least value, and how.
+_QUANTITIES: tuple[tuple[str, str, str, str, float, float, Callable[[SurfaceParameters], float]], ...] = (
+    ("axis_ratio", "longer over shorter axis of the friction ellipse", "ellipticity", "1", 0.0, 1.0,
+     lambda at: at.to_friction().mu_a / at.to_friction().mu_b),
+    ("axis_direction", "direction of the longer axis", "ellipticity", "rad", math.pi, 0.0,
+     lambda at: at.to_friction().phi),
+    ("offset_size", "distance of the ellipse's centre from zero, over its mean radius", "offset", "1", 0.0, 0.0,
+     lambda at: math.hypot(at.offset_x, at.offset_y)),
+    ("offset_direction", "direction of the ellipse's centre", "offset", "rad", 2.0 * math.pi, 0.0,
+     lambda at: math.atan2(at.offset_y, at.offset_x)),
+    ("mean_friction", "mean friction coefficient", "friction_scale", "1", 0.0, 0.0,
+     lambda at: math.exp(at.friction_scale)),
+    ("floor_bow", "how the floor bends one way along its axis, the other across, at 50 mm", "floor_bow", "kPa", 0.0,
+     0.0, lambda at: _floor(at).bow),
+    ("floor_axis", "direction along which the floor bends upwards", "floor_bow", "rad", math.pi, 0.0,
+     lambda at: _floor(at).axis),
 )  # fmt: skip
 
 
@@ -85,30 +114,30 @@ def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> 
 
 
 def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:
-    """Return axis ratio, directions and sizes of the friction ellipse as far as their parameters are free.
+    """Return directions and sizes of friction ellipse and floor's bow as far as their parameters are free.
 
-    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity, offset) may be zero
-    by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end: drawn
-    vectors never are zero.
+    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity, offset, bow) may
+    be zero by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end:
+    drawn vectors never are zero.
     """
-    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, draws, seed)]
-    free, best, told = found.problem.space.names, found.friction(), []
+    sampled = [SurfaceParameters.from_values(one) for one in sampled_values(found, draws, seed)]
+    free, best, told = found.problem.space.names, SurfaceParameters.from_values(found.values), []
     ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
-    for name, description, of, period, least, quantity in _QUANTITIES:
+    for name, description, of, unit, period, least, quantity in _QUANTITIES:
         parts = [one for one in SURFACE.names if one.startswith(of)]
-        if not {*free} >= {*parts} or not laws:
+        if not {*free} >= {*parts} or not sampled:
             continue
-        value, sample = quantity(best), np.array([quantity(law) for law in laws])
+        value, sample = quantity(best), np.array([quantity(one) for one in sampled])
         vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
         if period:
             around = value + (sample - value + 0.5 * period) % period - 0.5 * period
             lower, upper = np.quantile(around, ends).tolist()
             known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
-            told.append(Derived(name, description, "rad", value, lower, upper, known))
+            told.append(Derived(name, description, unit, value, lower, upper, known))
         else:
             lower, upper = np.quantile(sample, ends).tolist()
             lower = least if vanishes else min(lower, value)
-            told.append(Derived(name, description, "1", value, lower, max(upper, value)))
+            told.append(Derived(name, description, unit, value, lower, max(upper, value)))
     return tuple(told)
 
 
@@ -209,13 +238,15 @@ def identified_material(
     last_cycle: float = 0.0,
     plate: str = "rect1",
     seed: int = 0,
+    floor: Material | None = None,
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
     sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
-    surface that wears is the worn one. plate : the object whose pressure was identified, where it is one alone.
-    seed : of the samples of the posterior. What the data do not depend on is left open in `found_with`. Raises
-    InvalidInput for an empty name.
+    surface that wears is the worn one. plate : the object whose shape was identified, where it is one alone.
+    seed : of the samples of the posterior, which are of new sessions. floor : what was known of it, whose plates,
+    sessions and frames are kept, but for shares of the load, which belong to flat floors. What the data do not depend
+    on is left open in `found_with`. Raises InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
@@ -226,33 +257,69 @@ def identified_material(
         if key.startswith(("tip_offset_x", "tip_offset_y")):
             own = key.partition("[")[2].rstrip("]") or plate
             shifts.setdefault(own, [0.0, 0.0])[key.startswith("tip_offset_y")] = value
+    floors = found.floors
+    before = Material(name, found.friction()) if floor is None else floor
+    plates = [PlatePressure(named or plate, shape=shape) for named, shape in found.plates.items()]
+    sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
+    frames = [FrameShift(named, *shift) for named, shift in sorted(shifts.items())]
+    wear = None
+    if worn is not None and last_cycle > 0.0:
+        wear = Wear(worn, last_cycle, floor=owned_shapes(found.values, WORN_FLOOR)[""])
     material = Material(
         name,
         found.friction(),
         provenance_words(found, sources),
         misfit_words(found),
         inferred=True,
-        found_with=FoundWith(**told),
-        plates=tuple(PlatePressure(named or plate, **shares) for named, shares in found.plates.items()),
-        wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
-        frames=tuple(FrameShift(named, *shift) for named, shift in sorted(shifts.items())),
+        found_with=FoundWith(**{**vars(before.found_with), **told}),
+        plates=_joined([one for one in before.plates if not any(one.shares.values())], plates, "plate"),
+        wear=wear,
+        frames=_joined(before.frames, frames, "plate"),
+        noise=before.noise,
+        floor=floors.get("", FLAT),
+        sessions=_joined(before.sessions, sessions, "name"),
+        session_spread=found.session_spread,
+        field=floor_field(found.values),
     )
-    return replace(material, posterior=_posterior(found, material, plate, seed))
+    return replace(material, posterior=_posterior(found, material, plate, seed, before.posterior))
 
 
-def _posterior(found: Identification, material: Material, plate: str, seed: int) -> MaterialPosterior | None:
-    """Samples of what the data allow, in the names and units of a material file."""
-    rows = []
-    for values in sampled_values(found, POSTERIOR_SAMPLES, seed):
+def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, ...]:
+    """What was known, each of a name of its own, then what is new, which takes the place of what has its name."""
+    names = {getattr(one, key) for one in new}
+    return (*(one for one in before if getattr(one, key) not in names), *new)
+
+
+def _posterior(
+    found: Identification, material: Material, plate: str, seed: int, before: MaterialPosterior | None
+) -> MaterialPosterior | None:
+    """Samples of what the data allow in a new session, in the names and units of a material file.
+
+    before : samples of what was known; those of plates that the data are not of stay.
+    """
+    rows, rng = list[dict[str, float]](), np.random.default_rng(seed)
+    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES, seed)):
         row, worn = _ellipse(SurfaceParameters.from_values(values).to_friction()), worn_friction_of(values)
+        # Sessions of the posterior are new ones: they differ from the mean by the spread.
+        off = rng.standard_normal(3) * found.session_spread
+        floors = owned_shapes(values, FLOOR_NAMES)
+        if "" in floors:
+            row |= shape_numbers(SurfaceShape.of_bend(*(floors[""].bend + off)), FLOOR_SHAPE_KEYS)
         if material.wear is not None and worn is not None:
-            row |= {f"worn.{key}": value for key, value in _ellipse(worn).items()}
+            shape = SurfaceShape.of_bend(*(owned_shapes(values, WORN_FLOOR)[""].bend + off))
+            late = _ellipse(worn) | shape_numbers(shape, FLOOR_SHAPE_KEYS)
+            row |= {f"worn.{key}": value for key, value in late.items()}
         for key, (name, factor) in _FOUND_UNITS.items():
-            if getattr(material.found_with, name) is not None:
+            if name in values and getattr(material.found_with, name) is not None:
                 row[key] = factor * values[name]
-        for named, shares in plate_shares(values).items():
-            # Rounded down, since they add to one at most.
-            row |= {f"{named or plate}.{key}": math.floor(1e6 * share) / 1e6 for key, share in shares.items()}
+        for named, shape in owned_shapes(values, PLATE_NAMES).items():
+            row |= {f"{named or plate}.{key}": size for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items()}
+        if before is not None:
+            old = zip(before.parameters, before.samples[number % len(before)], strict=True)
+            kept = {
+                key: value for key, value in old if key in _FOUND_UNITS or material.pressure_of(key.partition(".")[0])
+            }
+            row = kept | row
         rows.append(row)
     rounded = tuple(tuple(float(f"{value:.6g}") for value in row.values()) for row in rows)
     return MaterialPosterior(tuple(rows[0]), rounded) if len(rows) > 1 else None
@@ -264,7 +331,7 @@ def _ellipse(law: EllipseFriction) -> dict[str, float]:
 
 def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     """Return where the numbers come from, in one paragraph."""
-    blocks = [block for block in found.problem.blocks if PRIOR_KIND not in block.kinds]
+    blocks = [block for block in found.problem.blocks if not {*block.kinds} & {*BELIEF_KINDS}]
     data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
     origin = f" in {', '.join(sources)}" if sources else ""
     told = []

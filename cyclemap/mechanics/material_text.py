@@ -5,6 +5,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterable
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 
@@ -103,6 +104,38 @@ def load_material(name: str | Path) -> Material:
     return _material_of(tomllib.loads(text), str(name))
 
 
+def load_plates(name: str | Path) -> tuple[PlatePressure, ...]:
+    """Return shapes of plates: of a built-in one by its name, or of all in a TOML file (a path that
+    ends in .toml) with tables [plates.NAME].
+
+    Built-in shapes were found on plywood and abs at once (`tests.inference.measured_floors`).
+    Raises InvalidInput for an unknown name, DataFileError for a file that is missing or tells no
+    shape.
+    """
+    if not str(name).endswith(".toml"):
+        known = {one.plate: one for one in built_in_plates()}
+        if str(name) not in known:
+            raise unknown_name("plate", str(name), known)
+        return (known[str(name)],)
+    pressures = _plates_of(_table(read_toml(Path(name)), "plates"))
+    told_shapes = tuple(one for one in pressures if not any(one.shares.values()))
+    if not told_shapes:
+        raise DataFileError(f"{name}: no table [plates.NAME] with a shape: plate_dome_kpa, ...")
+    return told_shapes
+
+
+@lru_cache
+def built_in_plates() -> tuple[PlatePressure, ...]:
+    """Return the shapes of the plates of the MIT dataset that are known."""
+    text = (resources.files("cyclemap.mechanics") / "plates.toml").read_text(encoding="utf-8")
+    return _plates_of(_table(tomllib.loads(text), "plates"))
+
+
+def _plates_of(plates: dict[str, object]) -> tuple[PlatePressure, ...]:
+    tables = {plate: _table(plates, plate, PLATE_KEYS, f"plates.{plate}") for plate in plates}
+    return tuple(PlatePressure.of_numbers(*entry) for entry in tables.items())  # type: ignore[arg-type]
+
+
 def _material_of(table: dict[str, object], name: str) -> Material:
     _refuse_unknown("key in a material file", table, (*FILE_KEYS, *_OTHER_TABLES))
     friction = table.get("friction")
@@ -121,8 +154,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
     together = {
         FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * finite_number(key, found[key]) for key in found
     }
-    plates, frames = _table(table, "plates"), _table(table, "frames")
-    pressures = {plate: _table(plates, plate, PLATE_KEYS, f"plates.{plate}") for plate in plates}
+    frames = _table(table, "frames")
     floor = _table(table, "floor_shape", FLOOR_SHAPE_KEYS)
     spread = _table(table, "session_spread", SPREAD_KEYS)
     dome, bow_x, bow_y = (finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS)
@@ -153,7 +185,6 @@ def _material_of(table: dict[str, object], name: str) -> Material:
             "radians"
         )
     # What these are made of is checked where they are made.
-    pressed = tuple(PlatePressure.of_numbers(*entry) for entry in pressures.items())
     told = MaterialPosterior(tuple(names), tuple(samples)) if posterior else None  # type: ignore[arg-type]
     return Material(
         str(table.get("name", name)),
@@ -163,7 +194,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         inferred=inferred,
         found_with=FoundWith(**together),
         wear=_wear_of(_table(table, "worn")),
-        plates=pressed,
+        plates=_plates_of(_table(table, "plates")),
         posterior=told,
         noise=CycleNoise(**noise) if noise else None,  # type: ignore[arg-type]
         frames=tuple(

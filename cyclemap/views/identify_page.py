@@ -23,9 +23,10 @@ from cyclemap.evidence.identified_material import (
     readable_kind,
     readable_unit,
 )
+from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET
 
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
@@ -34,6 +35,8 @@ MOST_PANELS = 8
 MOST_INTERVALS = 13
 # Errors that differ by less than this are as large.
 WORSE = 1.01
+# Friction whose axes, and whose centre over the mean, differ by less from one and nought is isotropic.
+ROUND = 1.001
 Panel = tuple[str, Callable[[Axes], None]]
 _DOTS: dict[str, Any] = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
 
@@ -43,7 +46,10 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the page takes."""
     panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     if len(found.plates) > 1:
-        panels.append(("How the weight rests", partial(draw_shares, plates=found.plates)))
+        panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
+    if len(found.floors) > 1:
+        floors = {session or "mean": shape for session, shape in found.floors.items()}
+        panels.append(("Shapes of the floor", partial(draw_shapes, shapes=floors)))
 
     def named(fit: CycleFit | StrokeFit, what: str) -> str:
         return f"{fit.name[:1].upper()}{fit.name[1:]}: {what}"
@@ -99,18 +105,16 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     style.legend_above(axes, columns=4)
 
 
-def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
-    """Where the weight of each plate rests: a bar a plate, its shares from left to right."""
-    names = list(plates)[::-1]
-    left = np.zeros(len(names))
-    looks = {"inner_share": (QUIET, "inside"), "rim_share": (PREDICTED, "rim"), "corner_share": (MEASURED, "corners")}
-    for key, (colour, label) in looks.items():
-        size = 100.0 * np.array([plates[name][key] for name in names])
-        axes.barh(names, size, left=left, height=0.62, color=colour, label=label)
-        left += size
-    axes.barh(names, 100.0 - left, left=left, height=0.62, color=PREDICTED_FILL, label="even")
-    axes.set(xlim=(0.0, 100.0), xlabel="share of the weight (%)")
-    style.legend_above(axes, columns=4)
+def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
+    """Shapes of plates or of the floor by session: how much each bends along and across its axis, a line each."""
+    names = list(shapes)[::-1]
+    for height, name in enumerate(names):
+        shape = shapes[name]
+        axes.plot([shape.dome - shape.bow, shape.dome + shape.bow], [height, height], color=PREDICTED, linewidth=3.0)
+        axes.plot(shape.dome, height, "o", color=INK, markersize=4)
+    axes.axvline(0.0, color=QUIET, linewidth=0.9)
+    axes.set_yticks(range(len(names)), names, fontsize=7)
+    axes.set(xlabel="bends across to along its axis (kPa at 50 mm)", ylim=(-0.6, len(names) - 0.4))
 
 
 def draw_turns(axes: Axes, fit: StrokeFit) -> None:
@@ -175,8 +179,11 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     axes.text(-0.03, 0.5, words, transform=axes.transAxes, ha="right", va="center", fontsize=8)
 
 
-def headline(name: str, derived: Sequence[Derived]) -> str:
-    """The friction ellipse as far as it is known: intervals, for no value is surer than its own."""
+def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> str:
+    """Friction ellipse and floor as far as they are known: intervals, for no value is surer than its own.
+
+    held : the friction where the data were not asked about its shape.
+    """
     known = {one.name: one for one in derived}
 
     def interval(low: str, high: str) -> str:
@@ -200,7 +207,18 @@ def headline(name: str, derived: Sequence[Derived]) -> str:
         told.append(f"centre {size('offset_size', 100.0, 1)} % off{way('offset_direction', ' towards {}')}")
     if "mean_friction" in known:
         told.append(f"mean friction {size('mean_friction', 1.0, 3)}")
-    return f"{name}: friction ellipse with {', '.join(told)}" if told else f"{name}: friction taken as isotropic"
+    words = [f"friction ellipse with {', '.join(told)}"] if told else []
+    if "axis_ratio" not in known and "offset_size" not in known:
+        ratio, off = held.mu_a / held.mu_b, 100.0 * math.hypot(held.m0, held.n0) / math.sqrt(held.mu_a * held.mu_b)
+        is_round = ratio < ROUND and off < 100.0 * (ROUND - 1.0)
+        words.append(
+            "friction taken as isotropic"
+            if is_round
+            else f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"
+        )
+    if "floor_bow" in known:
+        words.append(f"floor bowed by {size('floor_bow', 1.0, 1)} kPa{way('floor_axis', ' (up along {})')}")
+    return f"{name}: {'; '.join(words)}"
 
 
 def note_sentences(found: Identification) -> list[str]:

@@ -17,7 +17,7 @@ from cyclemap.mechanics import EllipseFriction, Pose, Slider, load_material
 
 LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
 KEYS = ["name", "provenance", "misfit", "inferred", "friction", "worn", "converged", "level", "parameters"]
-KEYS += ["plates", "priors", "held"]
+KEYS += ["plates", "floor_shape", "sessions", "session_spread", "priors", "held"]
 KEYS += ["derived", "errors", "starts", "notes", "data"]
 HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1\n"
 RADIUS = 0.00475
@@ -90,11 +90,11 @@ def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
 @pytest.mark.slow
 def test_fixed_and_started_values_are_taken(here, capsys) -> None:
     push_file(here / "ends.csv", 5)
-    arguments = ["--free", "offset_x", "--fix", "rim_share=0.1", "--start", "plywood", "--folds", "0", "--starts", "1"]
+    arguments = ["--free", "offset_x", "--fix", "plate_dome=0.1", "--start", "plywood", "--folds", "0", "--starts", "1"]
     assert run(["identify", "ends.csv", *arguments, "--json", "-"]) == 0
     report = json.loads(capsys.readouterr().out)
     plywood = SurfaceParameters.from_friction(load_material("plywood").friction).values()
-    assert report["held"]["rim_share"] == 0.1
+    assert report["held"]["plate_dome"] == 0.1
     assert report["held"]["ellipticity_x"] == pytest.approx(plywood["ellipticity_x"])
     assert all(one["left_out_rms"] is None for one in report["errors"])
 
@@ -106,12 +106,16 @@ def test_fixed_and_started_values_are_taken(here, capsys) -> None:
         (["notes.txt"], "notes.txt: a file of another kind (.txt)"),
         (["ends.csv", "--free", "offset_z"], "unknown parameter 'offset_z': did you mean"),
         (["ends.csv", "--free", "friction_scale"], "no block of data depends on friction_scale"),
-        (["ends.csv", "--fix", "rim_share"], "--fix 'rim_share' is not of the form name=number"),
-        (["ends.csv", "--fix", "rim_chare=0.1"], "did you mean 'rim_share'?"),
+        (["ends.csv", "--fix", "plate_dome"], "--fix 'plate_dome' is not of the form name=number"),
+        (["ends.csv", "--fix", "plate_dime=0.1"], "did you mean 'plate_dome'?"),
         (["ends.csv", "--select", "shape=rect2"], "5 left out: of rect1, not rect2"),
         (["ends.csv", "--select", "colour=red"], "unknown selection 'colour'"),
         (["ends.csv", "--set", "noise_deg=1"], "the noise is estimated from the data"),
         (["ends.csv", "--set", "footprint=grid:8"], "exact footprint"),
+        (["ends.csv", "--set", "rim_share=0.2"], "shapes of floor and plate, not shares"),
+        (["ends.csv", "--plate", "rect9"], "unknown plate 'rect9'"),
+        (["ends.csv", "--plate", "ends.toml"], "ends.toml"),
+        (["ends.csv", "--floor", "plywood", "--start", "abs"], "leave --start out"),
         (["ends.csv", "--student", "1"], "--student"),
         (["ends.csv", "--folds", "40", "--free", "offset_x", "--starts", "1"], "folds must be from 2"),
         (["ends.csv", "more.csv"], "several surfaces: felt, slate"),

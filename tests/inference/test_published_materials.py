@@ -14,7 +14,7 @@ from tests.inference.published_materials import TOLERANCES, statistics_block
 from tests.inference.published_prediction import node_values, predicted_statistics
 
 LOOP, NODES, CYCLES = CollectionLoop.mit(), 11, 100
-TRUTH = SurfaceParameters(ellipticity_x=0.1, offset_x=0.05, offset_y=-0.06, pusher_friction=0.15, rim_share=0.3)
+TRUTH = SurfaceParameters(ellipticity_x=0.1, offset_x=0.05, offset_y=-0.06, pusher_friction=0.15, floor_bow_x=-0.5)
 
 
 @pytest.mark.parametrize("material", ["abs", "pu"])
@@ -23,7 +23,7 @@ def test_derivatives_are_those_of_the_residuals_by_central_differences(material)
     block, values = statistics_block(published_statistics(material), LOOP, 9, CYCLES), TRUTH.values()
     rows, jacobian = block.residuals(values)
     assert jacobian.shape == (len(block.groups), len(CYCLE_UNKNOWNS)) == (rows.size, len(CYCLE_UNKNOWNS))
-    for name in ("ellipticity_x", "rim_share"):
+    for name in ("ellipticity_x", "floor_bow_x"):
         step = 1e-3 * SURFACE[name].scale
         ends = [block.residuals({**values, name: values[name] + sign * step})[0] for sign in (1, -1)]
         slope = (ends[0] - ends[1]) / (2 * step)

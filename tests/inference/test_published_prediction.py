@@ -70,8 +70,9 @@ def test_what_cannot_be_is_refused(asked, words):
 
 
 def test_between_47_nodes_the_loop_is_met_within_a_hundredth_of_a_degree_and_ten_micrometres():
-    shares = {"inner_share": 0.1, "rim_share": 0.4, "corner_share": 0.1}
-    surface = SurfaceParameters(0.0, 0.1, -0.05, 0.04, 0.08, 0.16, pin_friction_radius=1.5e-3, **shares)
+    shapes = {"floor_dome": 0.3, "floor_bow_x": -0.4, "plate_warp_y": 0.2}
+    friction = {"ellipticity_x": 0.1, "ellipticity_y": -0.05, "offset_x": 0.04, "offset_y": 0.08}
+    surface = SurfaceParameters(0.0, **friction, pusher_friction=0.16, pin_friction_radius=1.5e-3, **shapes)
     loop, theta = loop_on(surface, CollectionLoop.mit()), np.array([0.3, 2.0, 4.4])
     found, runs = interpolation(theta, 47) @ node_values(loop), loop.cycles(theta)
     assert found[:, 0] == pytest.approx(runs.theta_next - theta, abs=np.deg2rad(0.01))

@@ -88,23 +88,22 @@ def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> Non
     assert pushes.predicted - pushes.measured == pytest.approx(errors) and len(pushes.errors) == 2
 
 
-def test_of_many_plates_a_panel_shows_how_each_presses_and_intervals_are_those_they_share() -> None:
-    rest = Parameter("rim_share", "share on the rim", "1", 0.0, 1.0, 0.3, 0.2, 0.0)
+def test_of_many_plates_a_panel_shows_the_shape_of_each_and_intervals_are_those_they_share() -> None:
+    rest = Parameter("plate_dome", "bends", "kPa", -9.0, 9.0, 0.3, 0.2, 0.0)
 
     def block(plate: str, share: float) -> DataBlock:
         def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
-            off = values["rim_share"] - share + 0.01 * np.cos(np.arange(9.0)) + values["offset_x"] * np.arange(9.0)
+            off = values["plate_dome"] - share + 0.01 * np.cos(np.arange(9.0)) + values["offset_x"] * np.arange(9.0)
             return off, np.column_stack([np.ones(9), np.arange(9.0)])
 
-        return DataBlock("ends", ("rim_share", "offset_x"), law, np.arange(9), "m").of_plate(plate, (rest,))
+        return DataBlock(plate, ("plate_dome", "offset_x"), law, np.arange(9), "m").of_owner(plate, (rest,))
 
     names = [f"plate{number}" for number in range(14)]
     blocks = [block(name, 0.05 * (number + 1)) for number, name in enumerate(names)]
-    several = identify(blocks, ["offset_x", *(f"rim_share[{name}]" for name in names)], starts=1)
+    several = identify(blocks, ["offset_x", *(f"plate_dome[{name}]" for name in names)], starts=1)
     page = identify_page("Many", several, identified_curves(several), ["Words."])
-    (bars,) = [axes for axes in page.axes if axes.get_title(loc="left") == "How the weight rests"]
-    ends = [bar.get_x() + bar.get_width() for bar in bars.patches[-14:]]
-    assert ends == pytest.approx([100.0] * 14)
+    (lines,) = [axes for axes in page.axes if axes.get_title(loc="left") == "Shapes of plates"]
+    assert [text.get_text() for text in lines.get_yticklabels()] == names[::-1]
     assert any("of all plates" in text.get_text() for text in page.texts)
     assert len(page.axes) == 1 + len([axes for axes in page.axes if axes.get_title(loc="left")])
 
@@ -125,19 +124,20 @@ def test_no_headline_is_sharper_than_its_interval(found) -> None:
     way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7)
     size = Derived("offset_size", "", "1", 0.132, 0.0, 0.43)
     to = Derived("offset_direction", "", "rad", 0.5, -3.0, 3.0, known=False)
-    told = sentences.headline("felt", [ratio, way, size, to])
+    told = sentences.headline("felt", [ratio, way, size, to], LAW)
     assert told == (
         "felt: friction ellipse with axes 1.00 to 1.35 : 1 (longer along 17° to 40°), "
         "centre 0.0 to 43.0 % off, in any direction"
     )
     assert "1.11" not in told and "13.2" not in told
-    assert ": 1, in any direction" in sentences.headline("felt", [ratio, replace(way, known=False)])
+    assert ": 1, in any direction" in sentences.headline("felt", [ratio, replace(way, known=False)], LAW)
     round_the_back = replace(to, lower=np.radians(-196.0), upper=np.radians(-195.0), known=True)
-    assert sentences.headline("felt", [size, round_the_back]).endswith("towards 164° to 165°")
+    assert sentences.headline("felt", [size, round_the_back], LAW).endswith("towards 164° to 165°")
     (friction,) = derived_quantities(found)
     expected = f"felt: friction ellipse with mean friction {friction.lower:.3f} to {friction.upper:.3f}"
-    assert sentences.headline("felt", [friction]) == expected
-    assert "isotropic" in sentences.headline("felt", [])
+    assert sentences.headline("felt", [friction], EllipseFriction.isotropic(0.2)).startswith(expected)
+    assert sentences.headline("felt", [], EllipseFriction.isotropic(0.2)).endswith("friction taken as isotropic")
+    assert sentences.headline("felt", [], LAW).endswith("friction held at axes 1.27 : 1, centre 9.4 % off")
 
 
 def test_errors_of_places_and_forces_are_distances(found) -> None:

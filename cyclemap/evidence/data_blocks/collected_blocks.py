@@ -36,21 +36,25 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     drag_turn_block,
     push_end_block,
 )
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
-from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of, session_block
+from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, PLATE_NAMES, SURFACE
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     DRAG_COLUMNS,
+    LARGEST_TIP_ERROR,
     NO_LENGTH,
     PUSH_END_COLUMNS,
     MeasuredPush,
+    Place,
     RowSelection,
     pushes_of,
     read_measured_drags,
     read_measured_pushes,
     select_pushes,
     selected_rows,
+    session_name,
+    tip_error,
     told,
     told_push,
 )
@@ -64,8 +68,9 @@ if TYPE_CHECKING:
     import pandas
 
 MOST_STROKES = 2000
-# What belongs to a plate, or to the frame that its data are in.
-_OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
+# What belongs to a plate, or to the frame that its data are in, and what to a session.
+PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
+SESSION_OWNED = SURFACE.select(FLOOR_NAMES).parameters
 PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = "push ends", "drag-backs", "wrenches", "cycles", "records"
 
 _COLUMNS = {PUSH_ENDS: {*PUSH_END_COLUMNS}, DRAG_BACKS: {*DRAG_COLUMNS}, WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS}}
@@ -80,6 +85,8 @@ LAYOUTS = (
 _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
+# A session whose robot was this far from where it was sent (m), and so many times further than in others, is odd.
+_ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
@@ -134,13 +141,24 @@ class BlockBuilder:
     """
 
     def __init__(
-        self, loop: CollectionLoop, first: int, wear: bool, most: int, nodes: int, push_length: float | None
+        self,
+        loop: CollectionLoop,
+        first: int,
+        wear: bool,
+        most: int,
+        nodes: int,
+        push_length: float | None,
+        target: Place | None = None,
     ) -> None:
         self.given, self.first, self.wear, self.most, self.nodes = loop, first, wear, most, nodes
+        self.target = target
         self.push_length = math.nan if push_length is None else push_length
         self.path, self.plate, self.loop = Path(), loop.slider.name, loop
+        self.session, self.known_sessions = "", dict[tuple[str, str], Path]()
         self.blocks: list[DataBlock] = []
         self.plates: list[str] = []
+        self.sessions: list[str] = []
+        self.tip_errors: dict[str, float] = {}
         self.notes: list[str] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
@@ -153,51 +171,95 @@ class BlockBuilder:
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
             table = convention_of(path).table(read_csv_table(path))
-            rows, facts, left_out = selected_rows(table, selection)
-            surfaces, objects = (told(one[name] for one in facts) for name in ("surface", "object"))
+            _, facts, left_out = selected_rows(table, selection)
         else:
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, part_of(progress, 0, 2))
-            surfaces, objects = (told(pushes.table[name]) | told(pushes.scans[name]) for name in ("surface", "object"))
+            facts = [row for frame in (pushes.table, pushes.scans) for row in frame.to_dict("records")]
+            self._add_unreadable(pushes)
+        surfaces, objects = (told(one.get(name) for one in facts) for name in ("surface", "object"))
         self._leave_out(left_out)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
             for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
                 self._note(words)
-        plates = [] if len(surfaces) > 1 else sorted(objects) or [self.given.slider.name]
-        for number, plate in enumerate(plates):
-            self.plate, self.loop, alone = plate, loop_of_plate(self.given, plate), len(plates) < 2
+        sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
+        for number, (plate, speed) in enumerate(sessions):
+            self.plate, self.loop = plate, loop_of_plate(self.given, plate)
+            self.session = self._session(sort, speed)
+            chosen = dict(selection.chosen) if speed is None else {**selection.chosen, "speed": speed}
+            own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
             if is_table:
-                own_rows = rows if alone else selected_rows(table, replace(selection, objects=(plate,)))[0]
-                if own_rows:
-                    self._add_table(sort, table, own_rows)
-                continue
-            own = pushes if alone else pushes_of(pushes, plate)
-            if sort == CYCLES:
-                self._add_cycles(own)
-                self._add_posed(own.table)
+                self._add_table(sort, table, selected_rows(table, own)[0])
+            elif sort == CYCLES:
+                strokes = pushes_of(pushes, own)
+                self._add_cycles(strokes)
+                self._add_posed(strokes.table)
             else:
-                self._add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
+                self._add_records(pushes_of(pushes, own), part_of(part_of(progress, 1, 2), number, len(sessions)))
         return surfaces, objects
 
-    def named(self) -> tuple[DataBlock, ...]:
-        """Return the blocks, those of several plates with unknowns of their own; equal names get a number behind."""
-        blocks = self.blocks
-        if len(set(self.plates)) > 1:
-            blocks = [block.of_plate(plate, _OWNED) for block, plate in zip(blocks, self.plates, strict=True)]
-        names = [block.name for block in blocks]
+    def _session(self, sort: str, speed: float | None) -> str:
+        """The name of a session: its plate and speed, of orientations alone its file; empty where nothing tells."""
+        if speed is None and sort != CYCLES:
+            return ""
+        session = session_name(self.plate, speed, self.path.stem)
+        if self.known_sessions.setdefault((session, sort), self.path) != self.path:
+            session += f", {self.path.stem}"
+        return session
+
+    def named(self, population: bool) -> tuple[DataBlock, ...]:
+        """Return the blocks, those of several plates or sessions with unknowns of their own, and how sessions differ.
+
+        population : whether one session is taken as one of several. Equal names get a number behind.
+        """
+        names = {one.name for one in SESSION_OWNED}
+        of_floor = [bool(names & {*block.parameters}) for block in self.blocks]
+        # What tells no speed belongs to the first session of its plate that does.
+        first = dict(reversed([both for both in zip(self.plates, self.sessions, strict=True) if both[1]]))
+        own = [one or first.get(plate, plate) for plate, one in zip(self.plates, self.sessions, strict=True)]
+        sessions = list(dict.fromkeys(one for one, told in zip(own, of_floor, strict=True) if told))
+        several = len(sessions) > 1 or (population and len(sessions) == 1)
+        blocks = []
+        for block, plate, session in zip(self.blocks, self.plates, own, strict=True):
+            if len({*self.plates}) > 1 or several:
+                block = replace(block, name=f"{session if several else plate} {block.name}")
+            if len({*self.plates}) > 1:
+                block = block.of_owner(plate, PLATE_OWNED)
+            blocks.append(block.of_owner(session, SESSION_OWNED) if several else block)
+        if several:
+            blocks.append(session_block(sessions, self._odd_sessions()))
+        used = [block.name for block in blocks]
         return tuple(
-            replace(block, name=f"{block.name} {names[: number + 1].count(block.name)}")
-            if names.count(block.name) > 1
+            replace(block, name=f"{block.name} {used[: number + 1].count(block.name)}")
+            if used.count(block.name) > 1
             else block
             for number, block in enumerate(blocks)
         )
+
+    def _odd_sessions(self) -> list[str]:
+        """Sessions in which the robot strayed unlike in the others, with a note of each."""
+        usual = float(np.median([*self.tip_errors.values()])) if self.tip_errors else 0.0
+        odd = [one for one, size in self.tip_errors.items() if size > max(_ASTRAY, _TIMES * usual)]
+        for session in odd:
+            off, others = 1e3 * self.tip_errors[session], 1e3 * usual
+            told = f"the rod was {off:.2g} mm from where it was sent on average, {others:.2g} mm in others"
+            self.notes.append(f"{session}: an odd session, {told}: it does not count to the floor's mean")
+        return odd
+
+    def _add_unreadable(self, pushes: PushTable) -> None:
+        """Note files of the MIT layout that could not be read."""
+        if pushes.unreadable:
+            one = pushes.unreadable[0]
+            reason = f"unreadable, the first {one.path.name}: {one.reason}"
+            self._leave_out(Counter({reason: len(pushes.unreadable)}))
 
     def _note(self, words: str) -> None:
         self.notes.append(f"{self.path}: {words}")
 
     def _add(self, block: DataBlock, words: str) -> None:
-        """Add a block of the plate, and a note of what it holds."""
+        """Add a block of the session, and a note of what it holds."""
         self.blocks.append(block)
         self.plates.append(self.plate)
+        self.sessions.append(self.session)
         self._note(f"{words} of {self.plate}")
 
     def _leave_out(self, counts: Counter[str]) -> None:
@@ -207,10 +269,6 @@ class BlockBuilder:
 
     def _add_records(self, pushes: PushTable, progress: Progress) -> None:
         """Add what files of the MIT layout tell: friction scans, cycles of repeated pushes, their ends and forces."""
-        if pushes.unreadable:
-            one = pushes.unreadable[0]
-            reason = f"unreadable, the first {one.path.name}: {one.reason}"
-            self._leave_out(Counter({reason: len(pushes.unreadable)}))
         columns = {name: pushes.scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS}
         known = np.all(np.isfinite([*columns.values()]), axis=0)
         self._leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
@@ -304,12 +362,14 @@ class BlockBuilder:
     def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
         kept = _thinned(pushes, self.most)
         if kept:
-            self._add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
+            self._add(push_end_block(kept, self.loop.slider, self.target), f"{_counted(kept, pushes)} push ends")
 
     def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
         if sort == PUSH_ENDS:
             pushes = read_measured_pushes(table, rows)
+            astray = [error for row in rows if (error := tip_error(table, row)) <= LARGEST_TIP_ERROR]
+            self.tip_errors[self.session] = float(np.mean(astray)) if astray else 0.0
             self._leave_out(Counter({"the tip was not where it was sent": len(rows) - len(pushes)}))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=number) for number, push in enumerate(pushes))
@@ -317,17 +377,28 @@ class BlockBuilder:
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
             kept = _thinned(drags, self.most)
-            self._add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
+            self._add(drag_turn_block(kept, self.loop.slider, self.target), f"{_counted(kept, drags)} drag-backs")
         else:
             outline = self.loop.slider.outline
             data = read_wrench_twists(table, rows, outline.extent)
             scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
-            block = wrench_twist_block(data, outline, self.loop.model.weight)
+            block = wrench_twist_block(data, self.loop.slider)
             self._add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
             sources = sorted({table.text(row, "source") for row in rows}) if "source" in table.header else []
             if len(sources) > 1:
                 listed = ", ".join(sources)
                 self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
+
+
+def _plates_and_speeds(facts: Sequence[Mapping[str, Any]], plate: str) -> list[tuple[str, float | None]]:
+    """The plates that rows tell of, else the one given, each with every speed that they tell, m/s."""
+    speeds: dict[str, set[float]] = {}
+    for row in facts:
+        known, speed = row.get("object"), row.get("speed")
+        own = speeds.setdefault(known if isinstance(known, str) and known else plate, set())
+        if speed is not None and not math.isnan(speed):
+            own.add(float(speed))
+    return [(own, speed) for own in sorted(speeds) for speed in (sorted(speeds[own]) if speeds[own] else (None,))]
 
 
 def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
@@ -354,7 +425,8 @@ def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
 class CollectedBlocks:
     """Blocks of data of one surface, of one object or of several.
 
-    blocks : of unlike names; of several objects each is that of a plate. notes : what was recognised, what was left out
+    blocks : of unlike names; of several objects each is that of a plate, of several sessions each is that of one, and a
+    last one tells how sessions may differ. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
     scans : (n, 2) tractions of friction scans. last_cycle : how many the last is behind the first; 0 where unknown.
     """
@@ -377,6 +449,8 @@ def collected_blocks(
     most: int = MOST_STROKES,
     nodes: int = NODES,
     push_length: float | None = None,
+    population: bool = False,
+    target: Place | None = None,
     progress: Progress | None = None,
 ) -> CollectedBlocks:
     """Return the blocks of all data in files, folders and trees.
@@ -390,10 +464,15 @@ def collected_blocks(
     first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
     push_length : how far the rod of pushes went from its first touch, m, where tables of poses do not tell; None leaves
         the ends of such pushes out.
-    most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `cycle_pair_block`;
+    target : m, in the frame of the data, where resets end: how the floor's shape varies with the place about it is then
+        an unknown of pushes and drags.
+    population : whether the floor is known from other sessions, so that a single one is one of several.
+    most : strokes of one sort in a session, at most: beyond, every so many-th is taken. nodes : see `cycle_pair_block`;
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
 
-    A push of a repeated set tells its end and its cycle's end: their errors are taken as independent.
+    What one file tells of one plate at one speed is a session, in which the floor has a shape of its own; drags count
+    to the session of pushes of that plate and speed, and what tells no speed to the first session of its plate. A push
+    of a repeated set tells its end and its cycle's end: their errors are taken as independent.
     Raises InvalidInput where nothing is recognised, naming what each path was, where the data are of several surfaces
     or of several objects of unknown outline, and for a number that does not fit.
     """
@@ -405,7 +484,7 @@ def collected_blocks(
     elif loop.slider.name not in MIT_SHAPE_NAMES:
         objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
     selection = RowSelection(objects, chosen)
-    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes, push_length)
+    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes, push_length, target)
     found = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in found for file in known))
     unused = list(dict.fromkeys(file for _, others in found for file in others))
@@ -424,24 +503,29 @@ def collected_blocks(
         if facts and not unused:
             raise InvalidInput(f"no such {facts}; {listed}")
         raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
+    blocks = builder.named(population)
     notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
     scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    return CollectedBlocks(builder.named(), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
+    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
 
 
 def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
 
-    Ellipse, offset and pusher friction wherever a block depends on them, how each plate presses and each data set's
-    frame is shifted, friction in the ring with drags or cycles, and how the surface wears.
+    Shapes of floor and plates, the rod, how each data set's frame is shifted, friction in the ring with drags or
+    cycles, how the surface wears, and, of four sessions and more, how the floor's shape varies with the place; the
+    friction ellipse where scans or cycles tell it: what single pushes and drags see is explained by shapes.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
-    owned = {one.name for one in _OWNED}
-    free = [name for name in SURFACE.names[:6] if name in asked]
+    of_ellipse = {name for block in blocks if block.curve or block.motions is None for name in block.parameters}
+    free = [name for name in SURFACE.names[:5] if name in of_ellipse]
+    owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
-    free += ["pin_friction_radius"] if "pin_friction_radius" in asked else []
+    if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
+        free += [name for name in FIELD_NAMES if name in asked]
     return (*free, *sorted(name for name in asked if name.startswith("worn_")))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,10 +15,10 @@ from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values
 from cyclemap.evidence.identification.identify import Identification, identify
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
+from cyclemap.evidence.identification.surface_parameters import PLATE_NAMES, SURFACE, SurfaceParameters
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
 from cyclemap.evidence.pushes.push_files import PushRecord
-from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
+from cyclemap.mechanics import EllipseFriction, LimitSurface, Slider
 from cyclemap.mechanics.outline import Outline
 from cyclemap.text_files import CsvRow, CsvTable, require_columns
 
@@ -39,8 +39,8 @@ TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
 # Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
 CONTACT_PIECES = 40
 _POINTS = 720
-# Of the weight, that its parts are computed with: the rest may have to lean under it.
-_SHARE = 0.1
+# Change of a shape, kPa, by which wrenches are differentiated.
+_STEP = 0.02
 RATIO_KIND = "force ratio (1)"
 # Slip per travel of the rod above which it slides and below which it sticks: between them the poses do not tell.
 SLIDING, STICKING = 0.1, 0.03
@@ -205,44 +205,40 @@ def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> W
         raise DataFileError(f"{table.path}: {cause}") from cause
 
 
-def wrench_twist_block(data: WrenchTwists, outline: Outline, weight: float) -> DataBlock:
-    """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and shares of the weight.
+def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
+    """Return pairs of wrench and twist as a block of data on `friction_scale`, the floor's dome and the plate's shape.
 
-    outline : of the object, in the frame of the data. weight : N. Pairs of one place of contact share their errors
-    (`WrenchTwists.contact_pieces`).
+    Pairs of one place of contact share their errors (`WrenchTwists.contact_pieces`). The wrench is the weight times
+    grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991). The torque is divided by the outline's
+    extent, so that all rows are in N.
 
-    The wrench is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991), and D is
-    linear in the shares. The torque is divided by the outline's extent, so that all rows are in N.
-
-    The object's orientation in the world is not in such data: friction is taken as isotropic. Orientations all around
-    leave an error of the rim share of 0.01 on plywood; those within 40 degrees of one, of up to 0.08. Twists are taken
-    as exact: their noise draws the rim share down (0.5 to 0.37 for 0.5 mm/s in each component at speeds of 10 mm/s, to
-    0.14 for 1 mm/s), so that a small share is weak evidence for even pressure, a large one strong evidence against it.
+    The object's orientation in the world is not in such data: friction is taken as isotropic, and a floor's bow, which
+    the plate turns against, is left out. Twists are taken as exact: their noise makes weight near the rim look less.
 
     >>> from cyclemap.mechanics import Slider
-    >>> square, twist = Slider.mit("rect1").outline, [[0.0, 0.01, 0.0]]
-    >>> block = wrench_twist_block(WrenchTwists([[0.0, 2.0, 0.0]], twist), square, 8.0)
-    >>> residual, _ = block.residuals(SurfaceParameters(math.log(0.25), rim_share=0.3).values())
-    >>> bool(np.allclose(residual, 0.0, atol=1e-12))
+    >>> square, twist = Slider.mit("rect1"), [[0.0, 0.01, 0.0]]
+    >>> block = wrench_twist_block(WrenchTwists([[0.0, 0.25 * square.weight, 0.0]], twist), square)
+    >>> residual, _ = block.residuals(SurfaceParameters(math.log(0.25)).values())
+    >>> bool(np.allclose(residual, 0.0, atol=1e-9))
     True
     """
-    unit, names = np.array([1.0, 1.0, 1.0 / outline.extent]), share_names(outline)
-    scale = positive_number("weight", weight) * unit
-    # Under even pressure, then the change by each share.
-    law = EllipseFriction.isotropic(1.0)
-    even = scale * LimitSurface(PatchFootprint(outline), law).wrench(data.twist)
-    parts = [replace(PatchFootprint(outline), **{name: _SHARE}) for name in names]  # type: ignore[arg-type]
-    by_shares = [(scale * LimitSurface(part, law).wrench(data.twist) - even) / _SHARE for part in parts]
-    measured, parameters = (data.wrench * unit).ravel(), ("friction_scale", *names)
+    unit, law = np.array([1.0, 1.0, 1.0 / slider.outline.extent]), EllipseFriction.isotropic(1.0)
+    measured, parameters = (data.wrench * unit).ravel(), ("friction_scale", "floor_dome", *PLATE_NAMES)
+
+    def wrench(shape: Array) -> Array:
+        surface = SurfaceParameters(**dict(zip(PLATE_NAMES, shape.tolist(), strict=True)))
+        force = LimitSurface(surface.footprint(slider), law).wrench(data.twist) * unit
+        return np.asarray(slider.weight * force.ravel())
 
     def function(values: Values) -> tuple[Array, Array]:
-        mean, surface = math.exp(values["friction_scale"]), SurfaceParameters.from_values(values)
-        shares = [surface.shares[name] for name in names]
-        force = mean * (even + sum(share * part for share, part in zip(shares, by_shares, strict=True))).ravel()
-        by_mechanics = np.column_stack([force, *(mean * part.ravel() for part in by_shares)])
-        return force - measured, surface.chain(by_mechanics, parameters, parameters)
+        shape = np.array([values[name] for name in PLATE_NAMES])
+        shape[0] += values["floor_dome"]
+        mean, force = math.exp(values["friction_scale"]), wrench(shape)
+        steps = _STEP * np.eye(len(shape))
+        slopes = [(wrench(shape + step) - wrench(shape - step)) / (2.0 * _STEP) for step in steps]
+        return mean * force - measured, mean * np.column_stack([force, slopes[0], *slopes])
 
-    groups = np.repeat(data.contact_pieces(outline), 3)
+    groups = np.repeat(data.contact_pieces(slider.outline), 3)
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
     return DataBlock("wrenches", parameters, function, groups, kinds)
 

@@ -13,39 +13,41 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.settings import with_material
+from cyclemap.collection.settings import mean_pressure, with_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
+    FIELD,
+    FIELD_REACH,
+    FLOOR_NAMES,
     FRICTION_NAMES,
-    SHARE_NAMES,
+    PLATE_NAMES,
     SURFACE,
     Parameter,
     SurfaceParameters,
-    possible_names,
-    share_names,
+    field_factors,
+    floor_field,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
 from cyclemap.mechanics import (
     FoundWith,
     Material,
-    PatchFootprint,
-    PlatePressure,
     Pose,
     Pusher,
     QuasiStaticModel,
     Slider,
 )
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, derivative_units, run_batch
-from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
 from cyclemap.mechanics.first_touch import first_touches
+from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.quasi_static import run_strokes
 
 Rows = tuple[Array, Array]
 
-# Radians (extents): a tenth of what a camera sees.
-ACCURACY = 1e-4
+# Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of exact ones.
+ACCURACY = 1e-3
 # A rod that starts further inside the object than this, m, is in another frame: measured poses overlap by tenths of mm.
 _DEEPEST = 0.04
 
@@ -53,54 +55,80 @@ TIP_OFFSET = (
     Parameter("tip_offset_x", "shift of the robot's frame against the camera's, along x", "m", -0.01, 0.01, 0.0, 1e-3),
     Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
 )
-PUSH_UNKNOWNS = (*SURFACE.names[1:5], "pusher_friction", *SHARE_NAMES)
-DRAG_UNKNOWNS = (*SURFACE.names[1:5], *SHARE_NAMES, "pin_friction_radius")
-
-SHAPE = SURFACE.names[1:5]
-CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
+# What wears of a surface comes first.
+WORN = (*SURFACE.names[1:5], *FLOOR_NAMES)
+PUSH_UNKNOWNS = (*WORN, *PLATE_NAMES, "pusher_friction")
+DRAG_UNKNOWNS = (*WORN, *PLATE_NAMES, "pin_friction_radius")
+CYCLE_UNKNOWNS = (*PUSH_UNKNOWNS, "pin_friction_radius")
+# What the engine calls the shapes.
+_ENGINE_NAMES = dict(zip((*FLOOR_NAMES, *PLATE_NAMES), SHAPES, strict=True))
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 48
 CYCLE_ACCURACY = 1e-6
 
 
-def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> DataBlock:
+def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, target: Place | None = None) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
-    the object's poses.
+    the object's poses; with a target (m, where resets end), also how the floor's shape varies with the place about it.
     """
-    shared = possible_names(PUSH_UNKNOWNS, slider.outline)
-    names = (*FRICTION_NAMES, "pusher_friction", *share_names(slider.outline))
+    names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
 
     def misfit(strokes: Sequence[MeasuredPush], values: Values) -> Rows:
         surface = SurfaceParameters.from_values(values)
         shift = (values["tip_offset_x"], values["tip_offset_y"])
-        ends, by = predicted_push_ends(surface_model(surface, slider), strokes, shift, names)
-        jacobian = np.concatenate([surface.chain(by[..., :-2], names, shared), by[..., -2:]], axis=-1)
+        model = surface_model(surface, slider, field=floor_field(values))
+        ends, by = predicted_push_ends(model, strokes, shift, names, target)
+        own_columns = by[..., len(names) :]
+        jacobian = np.concatenate([surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1)
         return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
-    parameters = (*shared, *(one.name for one in TIP_OFFSET))
-    return _stroke_block("push ends", parameters, pushes, misfit, kinds, TIP_OFFSET)
+    own = TIP_OFFSET if target is None else (*FIELD, *TIP_OFFSET)
+    parameters = (*PUSH_UNKNOWNS, *(one.name for one in own))
+    return _stroke_block("push ends", parameters, pushes, misfit, kinds, own)
 
 
-def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> DataBlock:
-    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
-    parameters = possible_names(DRAG_UNKNOWNS, slider.outline)
-    names = (*FRICTION_NAMES, *share_names(slider.outline), "pin_friction_radius")
+def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place | None = None) -> DataBlock:
+    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended.
+
+    target : as of `push_end_block`.
+    """
+    names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pin_friction_radius")
 
     def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> Rows:
         surface = SurfaceParameters.from_values(values)
-        model, courses = surface_model(surface, slider), []
+        model, courses, places = surface_model(surface, slider, field=floor_field(values)), [], []
+        x0, y0 = target or (0.0, 0.0)
         for drag in strokes:
-            goal = (drag.end.to_world(*slider.hitch),)
-            courses.append(model.course(model.drag_strokes(goal, surface.pin_friction_radius), drag.start))
+            begin = Pose(drag.start.x - x0, drag.start.y - y0, drag.start.theta)
+            x, y = drag.end.to_world(*slider.hitch)
+            goal = (x - x0, y - y0)
+            courses.append(model.course(model.drag_strokes((goal,), surface.pin_friction_radius), begin))
+            way = np.array(goal) - begin.to_world(*slider.hitch)
+            places.append(begin.to_world(*slider.outline.centroid) + 0.5 * way)
         ran = run_strokes(courses, len(PARAMETERS))
-        by = ran.derivatives[:, 5:6][..., _columns(names)] * derivative_units(model, names)
+        by = _by_names(model, names, ran.derivatives[:, 5:6])
         measured = np.array([drag.end.theta for drag in strokes])
-        return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, parameters)
+        parts = [surface.chain(by, names, DRAG_UNKNOWNS)]
+        parts += (
+            []
+            if target is None
+            else [_by_field(_by_names(model, FLOOR_NAMES, ran.derivatives[:, 5:6]), np.array(places))]
+        )
+        return (ran.ended[:, 2] - measured)[:, None], np.concatenate(parts, axis=-1)
 
-    return _stroke_block("drag-backs", parameters, drags, misfit, ("drag turn (rad)",))
+    own = () if target is None else FIELD
+    parameters = (*DRAG_UNKNOWNS, *(one.name for one in own))
+    return _stroke_block("drag-backs", parameters, drags, misfit, ("drag turn (rad)",), own)
+
+
+def _by_field(by_floor: Array, places: Array) -> Array:
+    """Derivatives (n, m, 9) by the floor's heights, of those (n, m, 3) by its shape at places (n, 2), m from target."""
+    reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
+    terms = np.array([reaching.terms_at((x, y)) for x, y in places.tolist()])
+    return np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
 
 
 def _stroke_block(
@@ -135,12 +163,12 @@ def _stroke_block(
     return DataBlock(name, parameters, whole, groups, kinds, own_parameters, part, motions)
 
 
-def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
-    """Return the model of a slider on a surface, the shares of its weight as the surface says."""
-    footprint = PatchFootprint(slider.outline, **surface.shares, centre=slider.centre_of_mass)
-    return QuasiStaticModel(
-        slider, surface.to_friction(), Pusher(friction=surface.pusher_friction), footprint, accuracy
-    )
+def surface_model(
+    surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY, field: FloorField | None = None
+) -> QuasiStaticModel:
+    """Return the model of a slider on a surface, of the shapes that the surface says; field : of the floor, kPa."""
+    rod = Pusher(friction=surface.pusher_friction)
+    return QuasiStaticModel(slider, surface.to_friction(), rod, surface.footprint(slider, field), accuracy)
 
 
 def predicted_push_ends(
@@ -148,14 +176,16 @@ def predicted_push_ends(
     pushes: Sequence[MeasuredPush],
     shift: tuple[float, float] = (0.0, 0.0),
     names: tuple[str, ...] = (),
+    target: Place | None = None,
 ) -> Rows:
     """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), and derivatives (n, 3, k + 2).
 
-    These are by `names` of the mechanics and by both components of the shift. An object that the rod does not touch
-    stays.
+    These are by `names` of the mechanics, with a target by the floor's heights, and by both components of the shift. An
+    object that the rod does not touch stays. target : m, from which a floor's shape that varies with the place is told.
     """
+    origin, heights = np.array(target or (0.0, 0.0)), 0 if target is None else len(FIELD)
     ends = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
-    by, theta = np.zeros((len(pushes), 3, len(names) + 2)), ends[:, 2]
+    by, theta = np.zeros((len(pushes), 3, len(names) + heights + 2)), ends[:, 2]
     c, s = np.cos(theta), np.sin(theta)
     direction, length = np.array([(push.direction, push.length) for push in pushes]).T
     x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
@@ -175,13 +205,23 @@ def predicted_push_ends(
         for index, at, toward, far in np.column_stack([piece, coordinate, direction - theta, way])[touched].tolist()
     ]
     both = list(zip(strokes, theta[touched].tolist(), strict=True))
-    ran = run_strokes([model.course(one, Pose(theta=angle)) for one, angle in both], len(PARAMETERS))
-    ends[touched, :2] += model.unit * ran.pushed[:, :2]
+    places = (ends[touched, :2] - origin).tolist()
+    begins = [Pose(*place, angle) for place, (_, angle) in zip(places, both, strict=True)]
+    courses = [model.course(one, begin) for (one, _), begin in zip(both, begins, strict=True)]
+    ran = run_strokes(courses, len(PARAMETERS))
+    ends[touched, :2] = model.unit * ran.pushed[:, :2] + origin
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
-    by[touched, :, :-2] = found[..., _columns(names)] * derivative_units(model, names)
+    by[touched, :, : len(names)] = _by_names(model, names, found)
+    if heights:
+        # A quarter of the way ahead, as the engine takes it.
+        along = (
+            0.25 * model.unit * way[touched, None] * np.column_stack([np.cos(direction), np.sin(direction)])[touched]
+        )
+        middles = [begin.to_world(*model.slider.outline.centroid) for begin in begins]
+        by[touched, :, len(names) : -2] = _by_field(_by_names(model, FLOOR_NAMES, found), middles + along)
     starting = np.array([_by_shift(model, *one) for one in both])
-    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ starting
+    by[touched, :, -2:] = found[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
     return ends, by
 
 
@@ -198,8 +238,12 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     return np.array((along, -contact.turning * along, longer)) / model.unit
 
 
-def _columns(names: tuple[str, ...]) -> list[int]:
-    return [PARAMETERS.index(name) for name in names]
+def _by_names(model: QuasiStaticModel, names: tuple[str, ...], by_engine: Array) -> Array:
+    """Columns (..., k) by `names`, SI units and shapes in kPa, of derivatives by all of the engine's parameters."""
+    called = [_ENGINE_NAMES.get(name, name) for name in names]
+    per_kpa = [1.0 / mean_pressure(model.slider) if name in _ENGINE_NAMES else 1.0 for name in names]
+    columns = by_engine[..., [PARAMETERS.index(name) for name in called]]
+    return np.asarray(columns * derivative_units(model, called) * per_kpa)
 
 
 def interpolation(theta: ArrayLike, count: int) -> Array:
@@ -224,10 +268,10 @@ def cycle_pair_block(
 ) -> DataBlock:
     """Return the block of measured turns of whole cycles, rad, set against the cycle map of a loop.
 
-    loop : who is pushed where, and how it is brought back; surface, pusher friction, shares and ring are the unknowns'.
+    loop : who is pushed where, and how it is brought back; surface, rod, shapes and ring are the unknowns'.
     theta, turn (n,) : rad, orientation before a push and how far the cycle turned the object. groups (n,) : labels.
     share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data; the turn is then blended
-    linearly between the two, its ends having an ellipse each, the worn one's `worn_...`.
+    linearly between the two, its ends having an ellipse and a floor each, the worn one's `worn_...`.
     nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map must be smooth.
 
     Raises InvalidInput where shapes differ or nothing is given.
@@ -241,16 +285,15 @@ def cycle_pair_block(
         gone = finite_array("share of wear", share, ndim=1)
         if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
             raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-        fresh, late = (SURFACE[name] for name in SHAPE), "at the end of the data"
+        fresh, late = (SURFACE[name] for name in WORN), "at the end of the data"
         worn = [replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh]
     count += count % 2 - 1
     places = 2.0 * np.pi * np.arange(count) / count
-    between, names = interpolation(angles, count), (*CYCLE_UNKNOWNS, *(one.name for one in worn))
-    parameters = possible_names(names, loop.slider.outline)
+    between, parameters = interpolation(angles, count), (*CYCLE_UNKNOWNS, *(one.name for one in worn))
 
     def at_nodes(values: Values, late: bool) -> Rows:
         """Turns at the nodes on the fresh or the worn surface, and their derivatives by CYCLE_UNKNOWNS."""
-        own = {**values, **{name: values[f"worn_{name}"] for name in SHAPE}} if late else values
+        own = {**values, **{name: values[f"worn_{name}"] for name in WORN}} if late else values
         runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(own), loop, places)
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 
@@ -260,11 +303,11 @@ def cycle_pair_block(
         if worn:
             turn_worn, by_worn = (between @ part for part in at_nodes(values, True))
             predicted = predicted + gone * (turn_worn - predicted)
-            kept, shape, by_share = len(CYCLE_UNKNOWNS), len(SHAPE), gone[:, np.newaxis]
+            kept, changing, by_share = len(CYCLE_UNKNOWNS), len(WORN), gone[:, np.newaxis]
             jacobian *= 1.0 - by_share
-            jacobian[:, shape:kept] += by_share * by_worn[:, shape:]
-            jacobian[:, kept:] = by_share * by_worn[:, :shape]
-        return predicted - measured, jacobian[:, [names.index(name) for name in parameters]]
+            jacobian[:, changing:kept] += by_share * by_worn[:, changing:]
+            jacobian[:, kept:] = by_share * by_worn[:, :changing]
+        return predicted - measured, jacobian
 
     def curve(values: Values, around: Array, late: bool) -> Array:
         return interpolation(around, count) @ at_nodes(values, late)[0]
@@ -279,16 +322,17 @@ def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: 
 
     The batch has the shape (1, n), the derivatives (n, 6, k).
     """
-    names = (*FRICTION_NAMES, "pusher_friction", *share_names(loop.slider.outline), "pin_friction_radius")
+    names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction", "pin_friction_radius")
     runs = run_batch((loop_on(surface, loop),), theta[None], len(PARAMETERS))
-    by_mechanics = runs.jacobian[0][:, :, [PARAMETERS.index(name) for name in names]]
-    return runs, surface.chain(by_mechanics, names, CYCLE_UNKNOWNS)
+    per_kpa = 1.0 / mean_pressure(loop.slider)
+    units = [per_kpa if name in _ENGINE_NAMES else 1.0 for name in names]
+    columns = [PARAMETERS.index(_ENGINE_NAMES.get(name, name)) for name in names]
+    return runs, surface.chain(runs.jacobian[0][:, :, columns] * units, names, CYCLE_UNKNOWNS)
 
 
 def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop on an identified surface, with the rod, rim and ring that were identified along with it."""
-    shares = {name: share for name, share in surface.shares.items() if name in share_names(loop.slider.outline)}
-    plate = PlatePressure(loop.slider.name, **shares)
+    """Return the loop on an identified surface, with the rod, shapes and ring that were identified along with it."""
     found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
-    material = Material("identified", surface.to_friction(), found_with=found, plates=(plate,))
-    return with_material(replace(loop, accuracy=CYCLE_ACCURACY), material)
+    material = Material("identified", surface.to_friction(), found_with=found)
+    changed = with_material(replace(loop, accuracy=CYCLE_ACCURACY), material)
+    return replace(changed, footprint=surface.footprint(loop.slider))

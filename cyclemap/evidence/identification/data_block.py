@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, Parameter, ParameterSpace
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
@@ -21,8 +21,14 @@ Values = Mapping[str, float]
 # Kinds whose rows are the two components of a vector, one behind the other.
 PLANE_KINDS = ("push place (m)", "scan force (N)", "wrench force (N)")
 PRIOR_KIND = "prior (standard deviations)"
-# What is usual: how anisotropic floors are, rods and rings of steel on steel, how plates press, how well the frames of
-# a robot and a camera agree. Wide enough that data which know better overrule it.
+# How floors differ between sessions: dome, and both components of the bow.
+SESSION_KINDS = ("session dome (kPa)", "session bow (kPa)", "session bow (kPa)")
+# Kinds that are beliefs, not data.
+BELIEF_KINDS = (PRIOR_KIND, *SESSION_KINDS)
+# Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have had.
+_USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
+# What is usual: how anisotropic floors are, rods and rings of steel on steel, shapes of plates and floors, how well the
+# frames of a robot and a camera agree. Wide enough that data which know better overrule it.
 USUAL = MappingProxyType(
     {
         "ellipticity_x": (0.0, 0.2),
@@ -30,9 +36,9 @@ USUAL = MappingProxyType(
         "offset_x": (0.0, 0.15),
         "offset_y": (0.0, 0.15),
         "pusher_friction": (0.15, 0.05),
-        "rim_share": (0.2, 0.3),
-        "corner_share": (0.1, 0.3),
-        "inner_share": (0.2, 0.4),
+        **{f"{worn}floor_{name}": (0.0, 8.0) for worn in ("", "worn_") for name in ("dome", "bow_x", "bow_y")},
+        **dict.fromkeys(FIELD_NAMES, (0.0, 2.0)),
+        **{f"plate_{name}": (0.0, 6.0) for name in ("dome", "warp_x", "warp_y")},
         "pin_friction_radius": (1.5e-3, 1e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
@@ -120,16 +126,15 @@ class DataBlock:
             motions=None,
         )
 
-    def of_plate(self, plate: str, owned: Sequence[Parameter]) -> DataBlock:
-        """Return the block as one of several plates: `rim_share`, if `owned`, is then `rim_share[hex]`."""
+    def of_owner(self, owner: str, owned: Sequence[Parameter]) -> DataBlock:
+        """Return the block of one plate or session of several: `plate_dome`, if `owned`, is then `plate_dome[hex]`."""
         named = {
-            one.name: replace(one, name=f"{one.name}[{plate}]", description=f"{one.description}; {plate}")
+            one.name: replace(one, name=f"{one.name}[{owner}]", description=f"{one.description}; {owner}")
             for one in owned
             if one.name in self.parameters
         }
         return replace(
             self,
-            name=f"{plate} {self.name}",
             parameters=tuple(named[name].name if name in named else name for name in self.parameters),
             own_parameters=(*named.values(), *(one for one in self.own_parameters if one.name not in named)),
         )
@@ -237,13 +242,46 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     return DataBlock("priors", names, function, np.arange(len(names)), np.repeat(PRIOR_KIND, len(names)))
 
 
+def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock:
+    """Return how the floor's shape in each session may differ from its mean, as a block of data.
+
+    Rows are differences (kPa), whose noise is the spread between sessions: `identify` estimates it along (restricted
+    maximum likelihood), as if two sessions more had differed by 2 kPa. odd : sessions that do not count to the mean.
+
+    >>> block = session_block(["a", "b"])
+    >>> values = {name: 3.0 * name.endswith("dome[b]") for name in block.parameters}
+    >>> block.residuals(values)[0].tolist()
+    [0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0]
+    """
+    names = [f"{name}[{session}]" for session in sessions for name in FLOOR_NAMES]
+    counted = np.repeat([session not in odd for session in sessions], len(FLOOR_NAMES))
+    size = np.where(counted, 1.0, USUAL["floor_dome"][1])
+    mean = np.tile(np.eye(len(FLOOR_NAMES)), (len(sessions), 1)) * counted[:, None]
+    believed = _BELIEVED_SESSIONS * len(FLOOR_NAMES)
+    jacobian = np.vstack([np.hstack([np.eye(len(names)), -mean]) / size[:, None], np.zeros((believed, len(names) + 3))])
+    kinds = np.where(counted, np.tile(SESSION_KINDS, len(sessions)), PRIOR_KIND)
+    usual = np.concatenate([np.zeros(len(names)), np.full(believed, _USUAL_SPREAD)])
+    groups = np.arange(usual.size) // len(FLOOR_NAMES)
+    parameters = (*names, *FLOOR_NAMES)
+
+    def function(values: Values) -> tuple[Array, Array]:
+        return jacobian @ [values[name] for name in parameters] + usual, jacobian
+
+    kinds = np.concatenate([kinds, np.tile(SESSION_KINDS, _BELIEVED_SESSIONS)])
+    return DataBlock("sessions", parameters, function, groups, kinds)
+
+
 def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
     """Return what is usual (value, standard deviation) of those parameters of which it is known, of any plate.
 
-    >>> usual_beliefs(["rim_share[hex]", "friction_scale"])
-    {'rim_share[hex]': (0.2, 0.3)}
+    What a floor was like in one of several sessions is told by its mean (`session_block`).
+
+    >>> usual_beliefs(["plate_dome[hex]", "friction_scale", "floor_dome[hex 20 mm/s]"])
+    {'plate_dome[hex]': (0.0, 6.0)}
     """
-    return {name: USUAL[plain] for name in names if (plain := name.partition("[")[0]) in USUAL}
+    plain = {name: name.partition("[")[0] for name in names}
+    of_sessions = [name for name in names if plain[name] in FLOOR_NAMES and plain[name] != name]
+    return {name: USUAL[plain[name]] for name in names if plain[name] in USUAL and name not in of_sessions}
 
 
 def part_of(progress: Progress | None, number: float, count: float) -> Progress:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.checks import read_only
-from cyclemap.evidence.identification.data_block import PRIOR_KIND, JointProblem, Labels
+from cyclemap.evidence.identification.data_block import BELIEF_KINDS, JointProblem, Labels
 from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw
 
 _NORMAL = 1e9
@@ -55,7 +55,7 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     else:
         scaled = fit.residuals / fit.noise[kinds]
         # A belief counts by its deviation, which is known, not by how far off it happened to be.
-        belief = problem.kinds == PRIOR_KIND
+        belief = np.isin(problem.kinds, BELIEF_KINDS)
         errors = (law.weight(scaled**2) * scaled / law.information)[~belief]
         told, freedom = _grouped_variance(jacobian[~belief], errors, inverse, problem.groups[~belief])
         believed = jacobian[belief] @ inverse

@@ -12,8 +12,10 @@ from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence.identification.data_block import (
+    BELIEF_KINDS,
     PLANE_KINDS,
     PRIOR_KIND,
+    SESSION_KINDS,
     DataBlock,
     JointProblem,
     Labels,
@@ -30,9 +32,16 @@ from cyclemap.evidence.identification.least_squares import (
     multi_start,
     spread_starts,
 )
-from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE, ParameterSpace, SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import (
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+    ParameterSpace,
+    SurfaceParameters,
+    owned_shapes,
+)
 from cyclemap.evidence.laws.linear_fit import student_quantile
-from cyclemap.mechanics import EllipseFriction
+from cyclemap.mechanics import EllipseFriction, SurfaceShape
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
@@ -46,7 +55,7 @@ Beliefs = Mapping[str, tuple[float, float]]
 @dataclass(frozen=True)
 class KindErrors:
     """Sizes of the errors of one kind in one block, in its own unit: in the sample, of rows left out, and of isotropic
-    friction under even pressure, all else usual; nan where there are none.
+    friction, plate and floor flat, all else usual; nan where there are none.
 
     rows : how many errors; of a place or a force one each, the length of the vector by which it is off.
     """
@@ -69,7 +78,7 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
 
     Raises InvalidInput for fewer than two folds or more folds than groups.
     """
-    stays = np.isin(problem.groups, problem.groups[problem.kinds == PRIOR_KIND])
+    stays = np.isin(problem.groups, problem.groups[np.isin(problem.kinds, BELIEF_KINDS)])
     groups = len(np.unique(problem.groups[~stays]))
     if not 2 <= whole_number("folds", folds) <= groups:
         raise InvalidInput(f"folds must be from 2 to the {groups} groups of the data, not {folds}")
@@ -109,12 +118,12 @@ def cross_validate(
 def kind_errors(
     problem: JointProblem, fit: Fit, left_out: Array | None = None, isotropic: Array | None = None
 ) -> tuple[KindErrors, ...]:
-    """Return the sizes of the errors of every kind in every block; also of rows left out, and of even isotropy."""
+    """Return the sizes of the errors of every kind in every block; also of rows left out, and of flat isotropy."""
     nothing, found = np.full(len(fit.residuals), np.nan), []
     told = [nothing if one is None else one for one in (fit.residuals, left_out, isotropic)]
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(block.kinds).tolist():
-            if kind == PRIOR_KIND:
+            if kind in BELIEF_KINDS:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
             sizes = []
@@ -180,28 +189,25 @@ class Identification:
         return self.problem.values(self.fit.vector)
 
     @property
-    def plates(self) -> dict[str, dict[str, float]]:
-        """Shares of the weight by plate; of one plate alone, which no name tells apart, under the empty name."""
-        return plate_shares(self.values)
+    def plates(self) -> dict[str, SurfaceShape]:
+        """Shapes by plate, kPa at 50 mm; of one plate alone, which no name tells apart, under the empty name."""
+        return owned_shapes(self.values, PLATE_NAMES)
+
+    @property
+    def floors(self) -> dict[str, SurfaceShape]:
+        """Shapes of the floor, kPa at 50 mm, by session; under the empty name the only one, or the mean of all."""
+        return owned_shapes(self.values, FLOOR_NAMES)
+
+    @property
+    def session_spread(self) -> tuple[float, float, float]:
+        """Standard deviations of dome and both components of the bow between sessions, kPa; 0 of one session alone."""
+        noise = dict(zip(self.problem.kind_names, self.fit.noise.tolist(), strict=True))
+        dome, along, across = (noise.get(kind, 0.0) for kind in SESSION_KINDS)
+        return dome, along, across
 
     def friction(self) -> EllipseFriction:
         """Return the identified friction ellipse; what the data were not asked about has its nominal value."""
         return SurfaceParameters.from_values(self.values).to_friction()
-
-
-def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
-    """Return the shares of the weight that values tell by plate; of a plate that no name tells apart, under the empty.
-
-    >>> plate_shares({"rim_share[hex]": 0.5, "inner_share[hex]": 0.5, "offset_x": 0.1})
-    {'hex': {'inner_share': 0.25, 'rim_share': 0.5, 'corner_share': 0.0}}
-    """
-    named = {name.partition("[")[2].rstrip("]") for name in values if name.partition("[")[0] in SHARE_NAMES}
-    found = {}
-    for plate in sorted(named):
-        tail = f"[{plate}]" if plate else ""
-        own = {name: values[name + tail] for name in SHARE_NAMES if name + tail in values}
-        found[plate] = SurfaceParameters.from_values(own).shares
-    return found
 
 
 def identify(
@@ -249,7 +255,9 @@ def identify(
     whole_number("seed", seed, least=0)
     law, believed, known = NoiseLaw(student), dict(priors or {}), dict(noise or {})
     if believed:
-        blocks, known = (*blocks, prior_block(believed)), {**known, PRIOR_KIND: 1.0}
+        blocks = (*blocks, prior_block(believed))
+    if any(PRIOR_KIND in block.kinds for block in blocks):
+        known = {**known, PRIOR_KIND: 1.0}
     problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     problem.space.select(tuple(believed))
     fold = None if folds == 0 else random_folds(problem, folds, seed)
@@ -264,8 +272,8 @@ def identify(
     report(1.0)
     estimates = _estimates(problem, fit, errors, level)
     notes += [*_notes(found, errors, estimates, believed), *failures]
-    # Isotropic friction under even pressure, rod and ring as usual, no frames shifted.
-    plain = ("ellipticity", "offset", "worn_", "rim_share", "corner_share", "inner_share", "tip_offset")
+    # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
+    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset")
     usual = {name: 0.0 if name.startswith(plain) else value for name, value in problem.space.nominal.items()}
     held = {name: 0.0 if name.startswith(plain) else value for name, value in problem.fixed.items()}
     isotropic = None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
-from cyclemap.evidence.identification.data_block import JointProblem, Progress, part_of
+from cyclemap.evidence.identification.data_block import BELIEF_KINDS, JointProblem, Progress, part_of
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9
@@ -22,9 +22,12 @@ _WEIGHTINGS, _SETTLED = 100, 1e-4
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
 # The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
-# of their standard errors. The first round need not be close, since its weights are not.
-_NOISE_TOLERANCE = 5e-3
-_FIRST, _LATER = 1e-2, 1e-5
+# of their standard errors. While it still changes more, fits need not be close; later they may be off by a twentieth of
+# what the deviance changes by at a standard error, a share of the rows.
+_NOISE_TOLERANCE, _ROUGH = 5e-3, 0.05
+# What few sessions tell of how they differ counts less by this factor.
+_LOOSE = 0.1
+_FIRST, _LATER, _OFF = 1e-2, 1e-5, 0.05
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
 _ROUNDS, _MOST = 40, 200
@@ -128,12 +131,16 @@ class Search:
         if self.floor is None:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
-        for turn in range(_ROUNDS):
-            fit = self.minimise(vector, noise, _FIRST if turn == 0 else _LATER)
+        told = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
+        tolerance, close = _FIRST, float(np.clip(_OFF / index.size, _LATER, 10.0 * _LATER))
+        for _ in range(_ROUNDS):
+            fit = self.minimise(vector, noise, tolerance)
             vector, new = fit.vector, self.estimated_noise(fit, self.floor)
-            change, noise = float(np.max(np.abs(np.log(new / noise)))), new
-            if turn > 0 and change < _NOISE_TOLERANCE:
+            change, noise = float(np.max(np.abs(np.log(new / noise)) * told)), new
+            if tolerance == close and change < _NOISE_TOLERANCE:
                 break
+            if change < _ROUGH:
+                tolerance = close
         converged = fit.converged and change < _NOISE_TOLERANCE
         message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
         return self.fit(vector, noise, converged, message)

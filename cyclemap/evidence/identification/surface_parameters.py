@@ -2,7 +2,8 @@
 
 The limit ellipse is fixed by its mean radius sqrt(mu_a mu_b), by the vector log(mu_a/mu_b) (cos 2 phi, sin 2 phi),
 and by its centre in the world's axes over the mean radius. All are smooth functions of the ellipse, a circle included,
-where the angle phi has no meaning. Quasi-static motion does not depend on the mean radius, only forces do.
+where the angle phi has no meaning. Quasi-static motion does not depend on the mean radius, only forces do. Shapes of
+floor and plate are told likewise by dome, bow cos 2 axis and bow sin 2 axis, in kPa at 50 mm (`SurfaceShape`).
 """
 
 from __future__ import annotations
@@ -16,13 +17,30 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import with_material
+from cyclemap.collection.settings import mean_pressure, with_material
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.mechanics import Ellipse, EllipseFriction, Material, PatchFootprint, PointFootprint, Pusher
-from cyclemap.mechanics.outline import Outline
+from cyclemap.mechanics import (
+    EllipseFriction,
+    Material,
+    PatchFootprint,
+    PointFootprint,
+    PressedFootprint,
+    Pusher,
+    Slider,
+    SurfaceShape,
+)
+from cyclemap.mechanics.foundation import FLAT, FloorField
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
-SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
+FLOOR_NAMES = ("floor_dome", "floor_bow_x", "floor_bow_y")
+PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
+# How a floor's shape varies with the place: factors of X^m Y^n of one height, from the reset's target on, in 50 mm.
+HEIGHT_POWERS = ((3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (3, 1), (2, 2), (1, 3), (0, 4))
+FIELD_NAMES = tuple(f"floor_h{m}{n}" for m, n in HEIGHT_POWERS)
+# Beyond this from the target (m) pushes are too few to tell it: the shape stays what it is there.
+FIELD_REACH = 0.025
+# Beyond this, kPa at 50 mm, a foundation of steel plates is as good as rigid.
+_RIGID = 60.0
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
 # force changes by more than a millionth.
 ROUNDEST = 1e-6
@@ -123,6 +141,13 @@ class ParameterSpace:
 
 
 _OFFSET = "centre of the friction ellipse"
+_AT = "at 50 mm"
+
+
+def _shape(name: str, description: str) -> Parameter:
+    return Parameter(name, description, "kPa", -_RIGID, _RIGID, 0.0, 4.0)
+
+
 SURFACE = ParameterSpace(
     (
         Parameter("friction_scale", "log of the mean friction coefficient", "1", -5.0, 1.5, math.log(0.25), 0.5),
@@ -130,19 +155,52 @@ SURFACE = ParameterSpace(
         Parameter("ellipticity_y", "log axis ratio of the friction ellipse, part at 45 deg", "1", -1.5, 1.5, 0.0, 0.2),
         Parameter("offset_x", f"{_OFFSET} along x, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1),
         Parameter("offset_y", f"{_OFFSET} along y, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1),
+        _shape("floor_dome", f"how the floor bends alike in all directions, {_AT}"),
+        _shape("floor_bow_x", f"how much higher the floor is along x than along y, {_AT}"),
+        _shape("floor_bow_y", f"the same at 45 deg, {_AT}"),
         Parameter(
             "pusher_friction", "friction coefficient of rod and object", "1", 0.0, 1.5, 0.2, 0.08, Pusher().friction
         ),
-        Parameter("rim_share", "share of the weight that rests on the object's rim", "1", 0.0, 1.0, 0.3, 0.2, 0.0),
+        _shape("plate_dome", f"how the plate's underside bends alike in all directions, {_AT}"),
+        _shape("plate_warp_x", f"how much lower the plate reaches along its x than along its y, {_AT}"),
+        _shape("plate_warp_y", f"the same at 45 deg, {_AT}"),
         Parameter(
             "pin_friction_radius", "lever of the ring's friction torque over its force", "m", 0.0, 0.03, 2e-3, 1e-3, 0.0
         ),
-        Parameter(
-            "corner_share", "share on the corners of what the rim leaves of the weight", "1", 0.0, 1.0, 0.2, 0.2, 0.0
-        ),
-        Parameter("inner_share", "share on the inner part of what rim and corners leave", "1", 0.0, 1.0, 0.2, 0.2, 0.0),
     )
 )
+
+
+FIELD = tuple(
+    Parameter(name, f"height of the floor that goes with X^{m} Y^{n}, {_AT}", "kPa", -_RIGID, _RIGID, 0.0, 2.0)
+    for name, (m, n) in zip(FIELD_NAMES, HEIGHT_POWERS, strict=True)
+)
+
+
+def field_factors() -> Array:
+    """Return what each height adds to the coefficients of a `FloorField`, (3, 5, 9).
+
+    A plate feels the curvature of the height h under its centroid: dome (h_xx + h_yy) / 4, bow (h_xx - h_yy) / 4 and
+    h_xy / 2.
+    """
+    terms = {(1, 0): 0, (0, 1): 1, (2, 0): 2, (1, 1): 3, (0, 2): 4}
+    factors = np.zeros((3, 5, len(HEIGHT_POWERS)))
+    for column, (m, n) in enumerate(HEIGHT_POWERS):
+        if m > 1:
+            factors[:2, terms[m - 2, n], column] += 0.25 * m * (m - 1) * np.array((1.0, 1.0))
+        if n > 1:
+            factors[:2, terms[m, n - 2], column] += 0.25 * n * (n - 1) * np.array((1.0, -1.0))
+        if m > 0 and n > 0:
+            factors[2, terms[m - 1, n - 1], column] += 0.5 * m * n
+    return factors
+
+
+def floor_field(values: Mapping[str, float]) -> FloorField | None:
+    """Return how values by name let a floor's shape vary with the place, kPa; None where they do not."""
+    heights = np.array([values.get(name, 0.0) for name in FIELD_NAMES])
+    if not heights.any():
+        return None
+    return FloorField(tuple(map(tuple, (field_factors() @ heights).tolist())), FIELD_REACH)
 
 
 @dataclass(frozen=True)
@@ -151,8 +209,8 @@ class SurfaceParameters:
 
     friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
     offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction : coefficient of rod on object.
-    rim_share : 0 to 1, of the weight; corner_share : of what the rim leaves; inner_share : of what both leave, so that
-    each may be anything from 0 to 1; `shares` are those of the weight. pin_friction_radius : m.
+    floor_... : of the floor's shape, world frame, plate_... : of the plate's, its own frame; kPa at 50 mm.
+    pin_friction_radius : m.
 
     Raises InvalidInput for a value that is not finite or beyond its bounds.
 
@@ -166,11 +224,14 @@ class SurfaceParameters:
     ellipticity_y: float = 0.0
     offset_x: float = 0.0
     offset_y: float = 0.0
+    floor_dome: float = 0.0
+    floor_bow_x: float = 0.0
+    floor_bow_y: float = 0.0
     pusher_friction: float = Pusher().friction
-    rim_share: float = 0.0
+    plate_dome: float = 0.0
+    plate_warp_x: float = 0.0
+    plate_warp_y: float = 0.0
     pin_friction_radius: float = 0.0
-    corner_share: float = 0.0
-    inner_share: float = 0.0
 
     def __post_init__(self) -> None:
         for name in SURFACE.names:
@@ -215,22 +276,19 @@ class SurfaceParameters:
         m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
         return EllipseFriction(mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi)
 
-    @property
-    def shares(self) -> dict[str, float]:
-        """Shares of the weight on the inner part, the rim and the corners, by the footprint's names.
-
-        >>> SurfaceParameters(rim_share=0.5, corner_share=0.5, inner_share=1.0).shares
-        {'inner_share': 0.25, 'rim_share': 0.5, 'corner_share': 0.25}
-        """
-        left = 1.0 - self.rim_share
-        inner = left * (1.0 - self.corner_share) * self.inner_share
-        return {"inner_share": inner, "rim_share": self.rim_share, "corner_share": left * self.corner_share}
+    def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
+        """Return how an object rests on the surface, in its own mean pressures; field : of the floor, kPa."""
+        floor, plate = (owned_shapes(self.values(), names)[""] for names in (FLOOR_NAMES, PLATE_NAMES))
+        per_mean = 1.0 / mean_pressure(slider)
+        varying = None if field is None else field.scaled(per_mean)
+        shapes = plate.scaled(per_mean), floor.scaled(per_mean)
+        return PressedFootprint(slider.outline, *shapes, slider.centre_of_mass, varying)
 
     def chain(self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names) -> Array:
         """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).
 
-        `names` (j) are those of the columns: of FRICTION_NAMES, the footprint's shares, or others of SURFACE, which
-        pass through and add up. `parameters` (k) are wanted. Parameters that no column tells of have derivative zero.
+        `names` (j) are those of the columns: of FRICTION_NAMES, or others of SURFACE, which pass through. `parameters`
+        (k) are wanted. Parameters that no column tells of have derivative zero.
         Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
         Raises InvalidInput for an unknown name.
         """
@@ -252,11 +310,6 @@ class SurfaceParameters:
         friction[2, 1:3], friction[3, 1:3] = law.n0 * friction[4, 1:3], -law.m0 * friction[4, 1:3]
         friction[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
         table = dict(zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True))
-        rim, corner, inner = self.rim_share, self.corner_share, self.inner_share
-        by_rim, by_corner = table["rim_share"], table["corner_share"]
-        table["corner_share"] = (1.0 - rim) * by_corner - corner * by_rim
-        table["inner_share"] = (1.0 - rim) * ((1.0 - corner) * table["inner_share"] - inner * by_corner)
-        table["inner_share"] -= (1.0 - corner) * inner * by_rim
         for name in names:
             if name not in table:
                 raise unknown_name("parameter of the mechanics", name, table)
@@ -272,20 +325,18 @@ class SurfaceParameters:
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
 
 
-def share_names(outline: Outline) -> tuple[str, ...]:
-    """Return which shares of the weight an outline can have: no ellipse has corners, not every concave one a frame.
+def owned_shapes(values: Mapping[str, float], names: tuple[str, ...]) -> dict[str, SurfaceShape]:
+    """Return the shapes, kPa at 50 mm, that three names tell, by their owner; of what has no owner, under the empty.
 
-    >>> share_names(Ellipse(0.05, 0.04))
-    ('inner_share', 'rim_share')
+    >>> owned_shapes({"plate_warp_x[hex]": 2.0, "offset_x": 0.1}, PLATE_NAMES)
+    {'hex': SurfaceShape(dome=0.0, bow=2.0, axis=0.0)}
     """
-    frame = ("inner_share", "rim_share") if PatchFootprint(outline).has_frame else ()
-    return frame if isinstance(outline, Ellipse) else (*frame, "corner_share")
-
-
-def possible_names(names: tuple[str, ...], outline: Outline) -> tuple[str, ...]:
-    """Return the names of unknowns without shares of the weight that the outline cannot have."""
-    shares = share_names(outline)
-    return tuple(name for name in names if name not in SHARE_NAMES or name in shares)
+    known = [name.partition("[") for name in values]
+    owners = sorted({rest.rstrip("]") for plain, _, rest in known if plain in names})
+    tails = {owner: f"[{owner}]" if owner else "" for owner in owners}
+    return {
+        owner: SurfaceShape.of_bend(*(values.get(name + tail, 0.0) for name in names)) for owner, tail in tails.items()
+    }
 
 
 def starting_space(loop: CollectionLoop, start: Material | None = None) -> ParameterSpace:
@@ -295,25 +346,23 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     what is not free. Raises InvalidInput for a footprint of points, which no block of data takes.
 
     >>> space = starting_space(CollectionLoop.mit("isotropic"))
-    >>> space["pusher_friction"].nominal, space["rim_share"].nominal
+    >>> space["pusher_friction"].nominal, space["floor_dome"].nominal
     (0.15, 0.0)
     """
     if isinstance(loop.footprint, PointFootprint):
         raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
+    if isinstance(loop.footprint, PatchFootprint) and loop.footprint.even_share != 1.0:
+        raise InvalidInput("identification tells shapes of floor and plate, not shares of the load: leave these out")
     if start is not None:
         loop = with_material(loop, start)
-    even = PatchFootprint(loop.slider.outline)
-    pressure = loop.footprint if isinstance(loop.footprint, PatchFootprint) else even
-    # What the rim leaves of the weight, and what rim and corners leave.
-    left = 1.0 - pressure.rim_share
-    rest = left - pressure.corner_share
+    pressed, unit = loop.footprint, mean_pressure(loop.slider)
+    floor, plate = (pressed.floor, pressed.plate) if isinstance(pressed, PressedFootprint) else (FLAT, FLAT)
     values = SurfaceParameters.from_friction(
         loop.material.friction,
         pusher_friction=loop.pusher.friction,
-        rim_share=pressure.rim_share,
-        corner_share=min(pressure.corner_share / left, 1.0) if left > 0.0 else 0.0,
-        inner_share=min(pressure.inner_share / rest, 1.0) if rest > 0.0 else 0.0,
         pin_friction_radius=loop.reset.pin_friction_radius,
+        **dict(zip(FLOOR_NAMES, (unit * floor.bend).tolist(), strict=True)),
+        **dict(zip(PLATE_NAMES, (unit * plate.bend).tolist(), strict=True)),
     ).values()
     space = ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
     if start is None:

@@ -68,7 +68,7 @@ def selected_rows(table: CsvTable, selection: RowSelection) -> tuple[list[CsvRow
     """
     rows, told, left_out = list[CsvRow](), list[dict[str, Any]](), Counter[str]()
     for row in table.rows:
-        facts = {name: column_value(table, row, name) for name in ("surface", "object", *selection.chosen)}
+        facts = {name: column_value(table, row, name) for name in ("surface", "object", "speed", *selection.chosen)}
         if reason := selection.refusal(facts):
             left_out[reason] += 1
         else:
@@ -99,10 +99,22 @@ def select_pushes(
     return replace(found, table=frames[0], scans=frames[1], unreadable=tuple(bad)), +left_out
 
 
-def pushes_of(pushes: PushTable, plate: str) -> PushTable:
-    """Return the pushes and scans of one object of several, without what could not be read."""
-    table, scans = (frame[frame["object"] == plate].reset_index(drop=True) for frame in (pushes.table, pushes.scans))
-    return replace(pushes, table=table, scans=scans, unreadable=())
+def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
+    """Return the pushes and scans that take part, without what could not be read."""
+    frames = []
+    for frame in (pushes.table, pushes.scans):
+        keep = [not selection.refusal(row) for row in frame.to_dict("records")]
+        frames.append(frame[np.array(keep, dtype=bool)].reset_index(drop=True))
+    return replace(pushes, table=frames[0], scans=frames[1], unreadable=())
+
+
+def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
+    """Return what a session is called: the plate and its speed, m/s; where that is unknown, what it is `otherwise`.
+
+    >>> session_name("hex", 0.02)
+    'hex 20 mm/s'
+    """
+    return f"{plate} {otherwise}".strip() if speed is None or math.isnan(speed) else f"{plate} {1e3 * speed:.4g} mm/s"
 
 
 def told(values: Iterable[Any]) -> frozenset[str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import plate_footprint
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.conventions import convention_of
@@ -20,6 +21,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     RowSelection,
     push_ends,
     select_pushes,
+    session_name,
     tip_error,
 )
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
@@ -29,12 +31,15 @@ from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.mechanics import (
     EllipseFriction,
     FrameShift,
-    PatchFootprint,
+    Material,
     PlatePressure,
     Pusher,
     QuasiStaticModel,
     Slider,
+    SurfaceShape,
 )
+from cyclemap.mechanics.foundation import FLAT, FloorField
+from cyclemap.mechanics.material import FloorSession
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table
@@ -62,6 +67,9 @@ _BUTTER_INERTIA = 0.003019
 DATASET_PUSHER = Pusher(friction=0.25)
 # A thousandth of a degree: far below what a replay is off by.
 ACCURACY = 1e-5
+# Where the dataset's robot dragged objects to, m.
+DATASET_TARGET = (0.35, -0.03)
+_Models = tuple[QuasiStaticModel, QuasiStaticModel]
 _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
 # Reading the folder is this share of the work.
 _READING = 0.1
@@ -151,6 +159,9 @@ def replay_pushes(
     sliders: Mapping[str, Slider] | None = None,
     plates: Sequence[PlatePressure] = (),
     frames: Sequence[FrameShift] = (),
+    floor: SurfaceShape = FLAT,
+    sessions: Sequence[FloorSession] = (),
+    field: FloorField | None = None,
     select: Mapping[str, str | float] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> ReplayedPushes:
@@ -160,11 +171,13 @@ def replay_pushes(
     and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which went straight from one to the other.
 
     friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the objects by the
-    names in the files; None: those of the dataset, `butter` among them. plates : how objects press on the surface, by
-    the same names; the others evenly. frames : how the frames of each plate's data are shifted. select : values of
-    surface, object, speed, side, fraction, angle (SI, rad) to keep. Each push is replayed on isotropic friction under
-    even pressure, too, with the same rod, no frame shifted: what is known of surface and plates is worth what it gains
-    on that. progress : called with the fraction done.
+    names in the files; None: those of the dataset, `butter` among them. plates : how objects rest on the surface, by
+    the same names; the others are flat, or as built in where the floor has a shape. floor : its shape, kPa at 50 mm;
+    sessions : its shapes in sessions that were seen, taken for pushes of their plate and speed. field : how
+    the floor's shape varies with the place about the dataset's target, kPa. frames : how the frames
+    of each plate's data are shifted. select : values of surface, object, speed, side, fraction, angle (SI, rad) to
+    keep. Each push is replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what is known
+    of surface and plates is worth what it gains on that. progress : called with the fraction done.
 
     A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a contact outside
     the model, a table of end poses without a tip path, a robot more than 5 mm from where it was sent, a file that
@@ -179,7 +192,9 @@ def replay_pushes(
     for name, slider in (sliders or {}).items():
         own = found.table[found.table["object"] == name]
         check_pushes(replace(found, table=own), CollectionLoop.mit("isotropic", slider=slider, footprint=None))
-    models = _models(dataset_sliders() if sliders is None else sliders, friction, pusher, plates)
+    objects = dataset_sliders() if sliders is None else sliders
+    surface, models = Material("floor", friction, plates=tuple(plates), floor=floor, field=field), dict[str, _Models]()
+    shapes = {one.name: one.shape for one in sessions}
     shifts = {one.plate: (one.x, one.y) for one in frames}
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
@@ -195,10 +210,15 @@ def replay_pushes(
                 try:
                     if facts.object is None:
                         raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
-                    if facts.object not in models:
+                    if facts.object not in objects:
                         told = f"object {facts.object!r} has no outline"
                         raise InvalidInput(f"{told}: neither the material file nor the data's collection.toml has it")
-                    (model, plain), offset = models[facts.object], shifts.get(facts.object, (0.0, 0.0))
+                    session = session_name(facts.object, facts.speed)
+                    if session not in models:
+                        found_there = replace(surface, floor=shapes.get(session, floor))
+                        models[session] = _models(objects[facts.object], found_there, pusher)
+                    (model, plain), offset = models[session], shifts.get(facts.object, (0.0, 0.0))
+                    record = record if field is None else _seen_from(record, DATASET_TARGET)
                     replay = replay_push(record, model, offset)
                     isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
                 except CycleMapError as error:
@@ -216,19 +236,18 @@ def replay_pushes(
     return ReplayedPushes(pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out))
 
 
-def _models(
-    sliders: Mapping[str, Slider], friction: EllipseFriction, pusher: Pusher, plates: Sequence[PlatePressure]
-) -> dict[str, tuple[QuasiStaticModel, QuasiStaticModel]]:
-    """The models of each object: on the surface, and on isotropic friction under even pressure."""
-    pressed, models = {one.plate: one for one in plates}, {}
-    for name, slider in sliders.items():
-        footprint = None
-        if name in pressed:
-            footprint = PatchFootprint(slider.outline, **pressed[name].shares, centre=slider.centre_of_mass)
-        model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
-        is_plain = footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
-        models[name] = model, model if is_plain else model.isotropic
-    return models
+def _models(slider: Slider, surface: Material, pusher: Pusher) -> _Models:
+    """The models of an object: on the surface, and on isotropic friction, all flat."""
+    friction, footprint = surface.friction, plate_footprint(surface, slider)
+    model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
+    is_plain = footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
+    return model, model if is_plain else model.isotropic
+
+
+def _seen_from(record: PushRecord, place: tuple[float, float]) -> PushRecord:
+    """The same push with its world's origin at a place, m."""
+    shift = np.array([0.0, *place, 0.0])
+    return PushRecord(record.object_pose - shift, record.tip_pose - shift, record.ft_wrench)
 
 
 def _recorded(

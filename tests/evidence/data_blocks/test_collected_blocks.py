@@ -20,7 +20,9 @@ pytestmark = pytest.mark.slow
 
 LOOP = CollectionLoop.mit("isotropic")
 ELLIPSE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-SHARES = ("corner_share", "inner_share", "rim_share")
+FLOOR = ("floor_bow_x", "floor_bow_y", "floor_dome")
+SHAPES = (*FLOOR, "plate_dome", "plate_warp_x", "plate_warp_y")
+FRAME = ("tip_offset_x", "tip_offset_y")
 SLATE = Material("slate", EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6))
 TRUTH = SurfaceParameters.from_friction(SLATE.friction, pusher_friction=0.15).values()
 TRUTH |= {"tip_offset_x": 0.0, "tip_offset_y": 0.0}
@@ -79,13 +81,18 @@ def cycles_of(found: CollectedBlocks):
 
 def test_every_sort_of_table_is_recognised_by_its_columns_alone_or_in_a_folder(tmp_path) -> None:
     found = collected_blocks(every_sort(tmp_path), LOOP)
-    assert names(found) == {"push ends": 18, "drag-backs": 6, "wrenches": 15, "cycles": 8}
+    pushed, alone = "rect1 10 mm/s", "rect1 theta"
+    assert names(found) == {
+        f"{pushed} push ends": 18, f"{pushed} drag-backs": 6, f"{pushed} wrenches": 15, f"{alone} cycles": 8,
+        "sessions": 12,
+    }  # fmt: skip
     assert found.surface == "slate" and found.last_cycle == 7.0
-    assert {block.name: telling_parameters([block]) for block in found.blocks} == {
-        "push ends": (*ELLIPSE, "pusher_friction", *SHARES, "tip_offset_x", "tip_offset_y"),
-        "drag-backs": (*ELLIPSE, *SHARES, "pin_friction_radius"),
-        "wrenches": ("friction_scale", *SHARES),
-        "cycles": (*ELLIPSE, "pusher_friction", *SHARES, "pin_friction_radius"),
+    blocks = [collected_blocks([path], LOOP).blocks[0] for path in every_sort(tmp_path)]
+    assert {block.name: telling_parameters([block]) for block in blocks} == {
+        "push ends": ("pusher_friction", *SHAPES, *FRAME),
+        "drag-backs": ("pin_friction_radius", *SHAPES),
+        "wrenches": ("friction_scale", "floor_dome", *SHAPES[3:]),
+        "cycles": (*ELLIPSE, "pusher_friction", "pin_friction_radius", *SHAPES),
     }
     write(tmp_path / "budget.csv", "euro\n", ["3\n"])
     write(tmp_path / "notes.txt", "rod bent on tuesday", [])
@@ -116,7 +123,7 @@ def test_a_collection_gives_scans_cycles_push_ends_and_force_ratios_as_it_was_ma
 
 def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(data) -> None:
     free = telling_parameters(data.blocks)
-    assert set(free) >= {"friction_scale", *SHARES, "pin_friction_radius"} and len(free) == 12
+    assert set(free) >= {"friction_scale", *SHAPES, "pin_friction_radius"} and len(free) == 15
     priors = usual_beliefs(free)
     found = identify(data.blocks, free, priors=priors, starts=1, level=0.99, space=starting_space(LOOP))
     assert found.fit.converged
@@ -130,10 +137,10 @@ def test_first_and_wear_choose_and_order_the_cycles(collection) -> None:
     cycles = cycles_of(found)
     assert len(cycles.groups) == CYCLES - 1 - 20 and found.last_cycle == CYCLES - 2 - 20
     # On a surface that does not wear each derivative is shared out between its two ends.
-    jacobian = cycles.residuals(TRUTH | {f"worn_{name}": TRUTH[name] for name in ELLIPSE})[1]
+    jacobian = cycles.residuals(TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)})[1]
     fresh, worn = (jacobian[:, cycles.parameters.index(f"{word}offset_x")] for word in ("", "worn_"))
     assert worn[0] == fresh[-1] == 0.0 and np.all(np.diff(worn / (fresh + worn)) > 0.0)
-    assert telling_parameters(found.blocks)[-4:] == tuple(f"worn_{name}" for name in ELLIPSE)
+    assert telling_parameters(found.blocks)[-7:] == tuple(f"worn_{name}" for name in (*ELLIPSE, *FLOOR))
 
 
 def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
@@ -168,11 +175,12 @@ def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp
     rows += [push_row(n, "felt") for n in range(2)] + [push_row(0, tip_error=9.0)]
     file = write(tmp_path / "ends.csv", ENDS, rows)
     found = collected_blocks([file], LOOP, {"surface": "slate"})
-    assert names(found) == {"rect1 push ends": 15, "hex push ends": 9}
+    assert names(found) == {"rect1 10 mm/s push ends": 15, "hex 10 mm/s push ends": 9, "sessions": 12}
     for words in ("2 left out: of surface felt, not slate", "1 left out: the tip was not where it was sent"):
         assert found.notes.count(f"{file}: {words}") == 1
     twice = collected_blocks([file, write(tmp_path / "more.csv", ENDS, rows[:8])], LOOP, {"surface": "slate"})
-    assert set(names(twice)) == {f"{plate} push ends {k}" for plate in ("rect1", "hex") for k in (1, 2)}
+    sessions = [f"{plate} 10 mm/s{file}" for plate in ("rect1", "hex") for file in ("", ", more")]
+    assert set(names(twice)) == {"sessions", *(f"{session} push ends" for session in sessions)}
     hexagons = collected_blocks([file], LOOP, {"object": "hex"})
     assert names(hexagons) == {"push ends": 9} and hexagons.loop.slider.name == "hex"
 
@@ -193,7 +201,7 @@ def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is
     found = collected_blocks([first, second], LOOP, {"surface": "felt"})
     assert found.surface == "felt"
     # Orientations tell no surface: both tables of them are kept, and told apart by a number.
-    assert {"cycles 1", "cycles 2", "push ends"} <= set(names(found))
+    assert {"rect1 theta cycles", "rect1 theta, theta cycles", "rect1 10 mm/s push ends"} <= set(names(found))
     rows = [push_row(n, shape=shape) for n in range(3) for shape in ("brick", "plate")]
     file = write(tmp_path / "ends.csv", ENDS, rows)
     own = replace(LOOP, slider=replace(LOOP.slider, name="own outline"))
@@ -231,5 +239,5 @@ def test_a_material_to_start_from_is_where_every_search_begins() -> None:
     wanted = SurfaceParameters.from_friction(plywood.friction).offset_x
     assert space["offset_x"].start == space["offset_x"].nominal == wanted
     assert space["pusher_friction"].start == 0.3
-    assert space["rim_share"].nominal == 0.0 < space["rim_share"].start < 0.02
+    assert space["plate_dome"].nominal == space["plate_dome"].start == 0.0
     refused(starting_space, CollectionLoop.from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint")

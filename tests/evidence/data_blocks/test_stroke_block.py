@@ -1,6 +1,5 @@
 """Strokes and cycles as data: exact where the mechanics made them, their derivatives true, wear blended."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -19,23 +18,27 @@ from cyclemap.evidence import (
     push_end_block,
 )
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, loop_on, predicted_push_ends, surface_model
-from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
+from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import read_measured_drags
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
 
 RECT1, MIT = Slider.mit("rect1"), CollectionLoop.mit()
 TRUTH = SurfaceParameters(
-    ellipticity_x=0.1, ellipticity_y=-0.05, offset_x=0.04, offset_y=0.02, pusher_friction=0.2, inner_share=0.1,
-    rim_share=0.4, corner_share=0.1, pin_friction_radius=1e-3,
+    ellipticity_x=0.1, ellipticity_y=-0.05, offset_x=0.04, offset_y=0.02, floor_dome=2.0, floor_bow_x=-1.5,
+    floor_bow_y=0.4, pusher_friction=0.2, plate_dome=-0.5, plate_warp_x=0.6, plate_warp_y=-0.3,
+    pin_friction_radius=1e-3,
 )  # fmt: skip
 LATE = {"ellipticity_x": 0.05, "ellipticity_y": -0.1, "offset_x": 0.01, "offset_y": -0.01}
+LATE |= {"floor_dome": 2.5, "floor_bow_x": -1.0, "floor_bow_y": 0.2}
 OFFSET = np.array([8e-4, -5e-4])
 VALUES = {**TRUTH.values(), "tip_offset_x": 8e-4, "tip_offset_y": -5e-4}
 WORN = VALUES | {f"worn_{name}": value for name, value in LATE.items()}
 PLAIN = {**SurfaceParameters().values(), "tip_offset_x": 0.0, "tip_offset_y": 0.0}
-OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
-STEPS = {**dict.fromkeys(SHARE_NAMES, 1e-3), "pin_friction_radius": 1e-6, "tip_offset_x": 1e-5, "tip_offset_y": 1e-5}
+OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
+# Steps wide enough that a stroke's own error, 1e-5 in places and 1e-4 in turns, does not count.
+STEPS = {**dict.fromkeys((*FLOOR_NAMES, *PLATE_NAMES), 0.12), "pin_friction_radius": 1.6e-5}
+STEPS |= {"tip_offset_x": 1.6e-4, "tip_offset_y": 1.6e-4}
 THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)
 
 
@@ -69,33 +72,32 @@ def made_cycles(share: float | np.ndarray | None = None) -> DataBlock:
 # Of each kind its block, how many rows and parameters it has, and the largest residual at the truth (m, rad): the
 # Fourier series through 47 cycles is as near as 2 mrad; a measured cycle scatters by ten times as much.
 KINDS = {
-    "pushes": (lambda: push_end_block(made_pushes(8), RECT1), (24, 10), 3e-5),
-    "pushes of a plate": (lambda: push_end_block(made_pushes(8), RECT1).of_plate("rect1", OWNED), (24, 10), 3e-5),
-    "drags": (lambda: drag_turn_block(made_drags(8), RECT1), (8, 8), 3e-5),
-    "cycles": (made_cycles, (12, 9), 2e-3),
-    "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 13), math.inf),
+    "pushes": (lambda: push_end_block(made_pushes(8), RECT1), (24, 13), 1e-4),
+    "pushes of a plate": (lambda: push_end_block(made_pushes(8), RECT1).of_owner("rect1", OWNED), (24, 13), 1e-4),
+    "drags": (lambda: drag_turn_block(made_drags(8), RECT1), (8, 11), 3e-4),
+    "cycles": (made_cycles, (12, 12), 5e-3),
+    "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 19), math.inf),
 }
 
 
 CASES = [pytest.param(kind, {}, marks=[pytest.mark.slow] * ("cycles" in kind)) for kind in KINDS]
-CASES += [(kind, {"corner_share": 0.0, "inner_share": 0.0}) for kind in ("pushes", "drags")]
+CASES += [(kind, dict.fromkeys((*FLOOR_NAMES, *PLATE_NAMES), 0.0)) for kind in ("pushes", "drags")]
 CASES += [("pushes", {"ellipticity_x": size, "ellipticity_y": 0.0}) for size in (0.0, 1e-8, 3e-5)]
 
 
-@pytest.mark.parametrize(("kind", "shares"), CASES)
-def test_what_the_mechanics_made_leaves_no_residual_and_has_true_derivatives(kind: str, shares: dict) -> None:
+@pytest.mark.parametrize(("kind", "changed"), CASES)
+def test_what_the_mechanics_made_leaves_no_residual_and_has_true_derivatives(kind: str, changed: dict) -> None:
     make, shape, largest = KINDS[kind]
-    block, given = make(), WORN | shares
+    block, given = make(), WORN | changed
     values = {name: given[name.partition("[")[0]] for name in block.parameters}
     residual, jacobian = block.residuals(values)
-    assert np.abs(residual).max() < largest or shares
+    assert np.abs(residual).max() < largest or changed
     assert jacobian.shape == shape
     for column, name in enumerate(block.parameters):
-        step = STEPS.get(name.partition("[")[0], 2e-4)
-        low = 0.0 if values[name] == 0.0 else -step
-        sides = [block.residuals({**values, name: values[name] + by})[0] for by in (step, low)]
-        expected = (sides[0] - sides[1]) / (step - low)
-        assert jacobian[:, column] == pytest.approx(expected, abs=0.02 * np.abs(expected).max()), name
+        step = STEPS.get(name.partition("[")[0], 3e-3)
+        up, down = (block.residuals({**values, name: values[name] + by})[0] for by in (step, -step))
+        expected = (up - down) / (2.0 * step)
+        assert jacobian[:, column] == pytest.approx(expected, abs=0.05 * np.abs(expected).max()), name
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -118,19 +120,12 @@ def test_wear_blends_the_turns_of_the_fresh_and_the_worn_surface() -> None:
         assert residual == pytest.approx((1.0 - share) * fresh + share * at_end, abs=1e-12)
 
 
-def test_no_unknowns_within_their_bounds_take_more_than_the_whole_weight() -> None:
-    for rim, corner, inner in itertools.product((0.0, 0.4, 1.0), repeat=3):
-        surface = SurfaceParameters(rim_share=rim, corner_share=corner, inner_share=inner)
-        pressure = surface_model(surface, RECT1).pressure
-        assert {name: getattr(pressure, name) for name in surface.shares} == surface.shares
-        assert pressure.even_share == pytest.approx((1.0 - rim) * (1.0 - corner) * (1.0 - inner), abs=1e-15)
-
-
-@pytest.mark.parametrize(("shape", "lacking"), [("ellip2", {"corner_share"}), ("tri3", set())])
-def test_shares_that_an_outline_cannot_have_are_no_unknowns(shape: str, lacking: set[str]) -> None:
-    block = push_end_block(made_pushes(2), Slider.mit(shape))
-    assert {"rim_share", "corner_share", "inner_share"} - set(block.parameters) == lacking
-    assert block.residuals(VALUES)[1].shape == (6, len(block.parameters))
+def test_a_shape_is_a_pressure_so_that_a_heavier_plate_has_less_of_it_in_its_own() -> None:
+    heavy = replace(RECT1, mass=2.0 * RECT1.mass)
+    light, other = (TRUTH.footprint(slider) for slider in (RECT1, heavy))
+    for shape in ("floor", "plate"):
+        assert getattr(light, shape).bend == pytest.approx(2.0 * getattr(other, shape).bend, rel=1e-12)
+    assert light.floor.bend * 1e-3 * RECT1.weight / RECT1.outline.area == pytest.approx([2.0, -1.5, 0.4])
 
 
 def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothing() -> None:
@@ -154,12 +149,12 @@ def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
 
 @pytest.mark.parametrize(("surface", "slope", "radius"), [("plywood", 0.74, 0.0), ("abs", 0.68, 2e-3)])
 def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(measured_data, surface, slope, radius) -> None:
-    """Regression slopes measured over predicted are below one; weight on the rim and a rubbing ring help."""
+    """Regression slopes measured over predicted are below one; weight towards the rim and a rubbing ring help."""
     table = read_csv_table(measured_data / "mit_rect1_dragback_v10.csv")
     drags = read_measured_drags(table, [row for row in table.rows if table.text(row, "surface") == surface])
     block = drag_turn_block(drags, RECT1)
     measured, ideal = block.motions[:, 1], block.residuals(PLAIN)[0]
     predicted = measured + ideal
     assert predicted @ measured / (predicted @ predicted) == pytest.approx(slope, abs=0.02)
-    rubbing = block.residuals({**PLAIN, "rim_share": 0.64, "pin_friction_radius": radius})[0]
+    rubbing = block.residuals({**PLAIN, "plate_dome": 6.0, "pin_friction_radius": radius})[0]
     assert np.median(np.abs(rubbing)) < 0.8 * np.median(np.abs(ideal))

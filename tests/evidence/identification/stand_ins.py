@@ -11,7 +11,7 @@ from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.mechanics import EllipseFriction
 
 ELLIPSE = SURFACE.names[:5]
-MOTION = (*SURFACE.names[1:5], "pusher_friction", "rim_share")
+MOTION = (*SURFACE.names[1:5], "pusher_friction", "plate_dome")
 TRUTH = {
     "friction_scale": -1.3,
     "ellipticity_x": 0.12,
@@ -19,7 +19,7 @@ TRUTH = {
     "offset_x": 0.06,
     "offset_y": 0.03,
     "pusher_friction": 0.17,
-    "rim_share": 0.4,
+    "plate_dome": 0.4,
 }
 
 

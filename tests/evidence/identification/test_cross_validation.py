@@ -22,7 +22,7 @@ DATA = np.cos(3.0 * X) + 0.05 * np.random.default_rng(0).standard_normal(12)
 
 @pytest.fixture
 def joint() -> JointProblem:
-    space = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
+    space = SURFACE.select((*ELLIPSE, "pusher_friction", "plate_dome"))
     return JointProblem((force_block(12, 0.01), motion_block(16, 0.02, 0.002)), space, {})
 
 

@@ -10,7 +10,7 @@ from cyclemap.evidence import DataBlock, identify
 from cyclemap.evidence.identification.data_block import JointProblem, prior_block
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
-SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
+SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "plate_dome"))
 
 
 def test_equal_labels_in_two_blocks_are_two_groups_and_equal_kinds_share_their_noise() -> None:
@@ -23,7 +23,7 @@ def test_a_parameter_whose_data_leave_is_held() -> None:
     problem = JointProblem((force_block(), motion_block()), SPACE, {})
     part = problem.subset(problem.block_index == 0, TRUTH)
     assert part.space.names == ELLIPSE
-    assert part.fixed == {name: TRUTH[name] for name in ("pusher_friction", "rim_share")}
+    assert part.fixed == {name: TRUTH[name] for name in ("pusher_friction", "plate_dome")}
     assert [block.name for block in part.blocks] == ["scan"]
 
 
@@ -34,14 +34,14 @@ def made(rows: object = np.ones(3), groups: object = (0, 1, 2), kinds: object = 
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        (lambda: JointProblem((force_block(),), SURFACE.select((*ELLIPSE, "rim_share")), {}), "depends on rim_share"),
+        (lambda: JointProblem((force_block(),), SURFACE.select((*ELLIPSE, "plate_dome")), {}), "depends on plate_dome"),
         (lambda: JointProblem((force_block(),), SURFACE.select(ELLIPSE[:4]), {}), "the data depend on offset_y"),
         (lambda: JointProblem((force_block(), force_block()), SURFACE.select(ELLIPSE), {}), "names of their own"),
         (lambda: made(groups=np.array([0.0, 1.0, 2.0])), "whole numbers, one a row"),
         (lambda: made(kinds=["m", "m"]), "kinds of block 'x'"),
         (lambda: made(np.ones(2)).residuals({"offset_x": 0.0}), r"3 rows gave .* derivatives \(2, 1\)"),
         (lambda: prior_block({}), "one parameter at least"),
-        (lambda: prior_block({"rim_share": (0.5, 0.0)}), "rim_share"),
+        (lambda: prior_block({"plate_dome": (0.5, 0.0)}), "plate_dome"),
     ],
 )
 def test_blocks_that_do_not_fit_are_refused(asked, words) -> None:
@@ -56,11 +56,11 @@ def test_numbers_that_are_not_finite_stop_at_the_block() -> None:
 
 def test_a_belief_alone_keeps_its_deviation_beside_data_that_share_groups() -> None:
     """What the data do not depend on has the interval of its belief, however near to it the estimate lies."""
-    names, data = ("pusher_friction", "rim_share"), 0.2 + 0.01 * np.cos(7.0 * np.arange(40))
+    names, data = ("pusher_friction", "plate_dome"), 0.2 + 0.01 * np.cos(7.0 * np.arange(40))
     law = DataBlock("law", names, lambda v: (v[names[0]] - data, np.eye(2)[[0] * 40]), np.arange(40) // 2, "m")
-    beliefs = {"rim_share": (0.4, 0.1), "pusher_friction": (0.15, 0.05)}
+    beliefs = {"plate_dome": (0.4, 0.1), "pusher_friction": (0.15, 0.05)}
     found = identify([law], list(beliefs), priors=beliefs, starts=1)
-    assert found["rim_share"].value == pytest.approx(0.4, abs=1e-6)
-    assert found["rim_share"].standard_error == pytest.approx(0.1, rel=1e-6)
-    assert found["rim_share"].upper == pytest.approx(0.4 + 1.96 * 0.1, abs=1e-3)
+    assert found["plate_dome"].value == pytest.approx(0.4, abs=1e-6)
+    assert found["plate_dome"].standard_error == pytest.approx(0.1, rel=1e-6)
+    assert found["plate_dome"].upper == pytest.approx(0.4 + 1.96 * 0.1, abs=1e-3)
     assert found["pusher_friction"].standard_error < 0.01

@@ -9,6 +9,7 @@ from refusals import refused
 from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.collection.settings import mean_pressure
 from cyclemap.evidence import DataBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET
 from cyclemap.evidence.identification.data_block import JointProblem
@@ -16,7 +17,7 @@ from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.evidence.laws.linear_fit import student_quantile
 
-NAMES = (*ELLIPSE, "pusher_friction", "rim_share")
+NAMES = (*ELLIPSE, "pusher_friction", "plate_dome")
 SPACE = SURFACE.select(NAMES)
 
 
@@ -34,7 +35,8 @@ def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() 
     material = identified_material(found, "made")
     assert "inferred from scan (24 values), pushes (32 values)" in material.provenance
     assert "left out" in material.misfit
-    assert CollectionLoop.mit(material=material).model.pressure.rim_share == pytest.approx(TRUTH["rim_share"], abs=1e-9)
+    loop = CollectionLoop.mit(material=material)
+    assert loop.model.pressure.plate.dome * mean_pressure(loop.slider) == pytest.approx(TRUTH["plate_dome"], abs=1e-9)
     assert steps == sorted(steps) and steps[-1] == 1.0
 
 
@@ -65,27 +67,27 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed(
     assert all(row.left_out_rms > row.rms for row in found.errors)
     assert found.starts.count == 3
     assert found["offset_x"].value == found.values["offset_x"]
-    refused(lambda: found["corner_share"], told="unknown identified parameter")
+    refused(lambda: found["plate_warp_x"], told="unknown identified parameter")
     refused(identified_material, found, " ", told="needs a name")
 
 
 def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> None:
-    still = DataBlock("still", ("corner_share",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
+    still = DataBlock("still", ("plate_warp_x",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
     pushes = motion_block(20, 0.02, 0.002)
-    found = identify([pushes, still], [*MOTION[:4], "corner_share"], {"pusher_friction": 0.17}, starts=2)
-    share = found["corner_share"]
-    assert (share.lower, share.upper, share.identifiable, share.standard_error) == (0.0, 1.0, False, np.inf)
-    assert "corner_share is not fixed by the data" in found.notes
-    assert "rim_share was neither free nor given: taken as 0" in found.notes
+    found = identify([pushes, still], [*MOTION[:4], "plate_warp_x"], {"pusher_friction": 0.17}, starts=2)
+    warp = found["plate_warp_x"]
+    assert (warp.lower, warp.upper, warp.identifiable, warp.standard_error) == (-60.0, 60.0, False, np.inf)
+    assert "plate_warp_x is not fixed by the data" in found.notes
+    assert "plate_dome was neither free nor given: taken as 0" in found.notes
     assert found["offset_x"].identifiable
 
 
 def test_a_value_on_its_bound_says_which() -> None:
-    space = SURFACE.extended(replace(SURFACE["rim_share"], lower=0.45, upper=0.9, start=0.675, nominal=0.45))
+    space = SURFACE.extended(replace(SURFACE["plate_dome"], lower=0.45, upper=0.9, start=0.675, nominal=0.45))
     found = identify(blocks(0.005), NAMES, starts=2, space=space)
-    share = found["rim_share"]
-    assert (share.at_bound, share.lower_open, share.lower) == ("lower", True, 0.45)
-    assert found.fit.converged and "rim_share lies on a bound" in found.notes
+    dome = found["plate_dome"]
+    assert (dome.at_bound, dome.lower_open, dome.lower) == ("lower", True, 0.45)
+    assert found.fit.converged and "plate_dome lies on a bound" in found.notes
 
 
 @pytest.mark.parametrize(
@@ -110,6 +112,6 @@ def test_the_shift_of_a_data_sets_frame_is_its_plates_in_the_material() -> None:
     names, off = tuple(one.name for one in TIP_OFFSET), 1e-4 * np.cos(np.arange(8.0))
     jacobian = np.eye(2)[[0, 1] * 4]
     block = DataBlock("ends", names, lambda v: (jacobian @ [v[n] for n in names] + off, jacobian), range(8), "m")
-    block = replace(block, own_parameters=TIP_OFFSET).of_plate("hex", TIP_OFFSET)
+    block = replace(block, own_parameters=TIP_OFFSET).of_owner("hex", TIP_OFFSET)
     (frame,) = identified_material(identify([block], block.parameters), "made").frames
     assert (frame.plate, frame.x, frame.y) == ("hex", *(pytest.approx(-np.mean(off[n::2]), abs=1e-9) for n in (0, 1)))

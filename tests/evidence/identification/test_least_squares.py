@@ -12,7 +12,7 @@ from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import NoiseLaw, multi_start, spread_starts
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
-SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
+SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "plate_dome"))
 
 
 def joint(noise: float) -> JointProblem:

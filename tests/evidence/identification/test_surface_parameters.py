@@ -16,7 +16,7 @@ def test_friction_to_parameters_and_back_is_the_same_limit_curve() -> None:
     rng = np.random.default_rng(0)
     for _ in range(50):
         friction = EllipseFriction(*rng.uniform(0.1, 0.5, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(-7.0, 7.0))
-        back = SurfaceParameters.from_friction(friction, rim_share=0.7).to_friction()
+        back = SurfaceParameters.from_friction(friction, plate_dome=0.7).to_friction()
         assert np.allclose(back.dissipation(VELOCITIES), friction.dissipation(VELOCITIES), rtol=1e-13)
         assert back.mu_a >= back.mu_b
 
@@ -33,21 +33,27 @@ def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
 def test_a_space_selects_and_extends_by_name_and_begins_at_the_nominal_surface() -> None:
     assert SURFACE.nominal == SurfaceParameters().values()
     assert SurfaceParameters.from_values({**SURFACE.nominal, "tilt": 1.0}) == SurfaceParameters()
-    space = SURFACE.extended(Parameter("bias", "a shift", "m", -1.0, 1.0, 0.0, 0.1)).select(("bias", "rim_share"))
-    assert space.values(space.vector({"rim_share": 0.1, "bias": 2.0, "other": 3.0})) == {"bias": 2.0, "rim_share": 0.1}
+    space = SURFACE.extended(Parameter("bias", "a shift", "m", -1.0, 1.0, 0.0, 0.1)).select(("bias", "plate_dome"))
+    assert space.values(space.vector({"plate_dome": 0.1, "bias": 2.0, "other": 3.0})) == {
+        "bias": 2.0,
+        "plate_dome": 0.1,
+    }
 
 
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        (lambda: SurfaceParameters(rim_share=1.5), r"rim_share is 1\.5"),
+        (lambda: SurfaceParameters(plate_dome=90.0), r"plate_dome is 90\.0"),
         (lambda: SurfaceParameters(offset_x=0.9, ellipticity_x=-0.5).to_friction(), "does not contain zero"),
-        (lambda: SurfaceParameters.from_friction(EllipseFriction(0.2, 0.2), rim_shar=1.0), "did you mean 'rim_share'"),
+        (
+            lambda: SurfaceParameters.from_friction(EllipseFriction(0.2, 0.2), plate_dom=1.0),
+            "did you mean 'plate_dome'",
+        ),
         (lambda: SurfaceParameters().chain(np.ones((1, 1)), ("hitch_x",)), "unknown parameter of the mechanics"),
         (lambda: SurfaceParameters().chain(np.ones((1, 1)), ("mu_a", "mu_b")), "match the 2 names"),
         (lambda: Parameter("x", "", "1", 0.0, 1.0, 0.0, 1.0), "strictly between"),
-        (lambda: ParameterSpace((SURFACE["rim_share"], SURFACE["rim_share"])), "named twice"),
-        (lambda: SURFACE.select(("rim_share",)).vector({}), "no value for rim_share"),
+        (lambda: ParameterSpace((SURFACE["plate_dome"], SURFACE["plate_dome"])), "named twice"),
+        (lambda: SURFACE.select(("plate_dome",)).vector({}), "no value for plate_dome"),
     ],
 )
 def test_what_cannot_be_a_surface_is_refused_by_name(asked, words) -> None:

@@ -187,6 +187,9 @@ def test_an_identified_floor_explains_pushes_better_than_isotropic_friction(meas
         pusher=Pusher(friction=floor.found_with.pusher_friction),
         plates=floor.plates,
         frames=floor.frames,
+        floor=floor.floor,
+        sessions=floor.sessions,
+        field=floor.field,
         select={"surface": surface, "object": plate, "side": 1.0},
     )
     (row,) = found.by("object").to_dict("records")

@@ -1,0 +1,192 @@
+"""Infer the floors of the MIT push dataset and the shapes of its plates, and judge them on what was left out.
+
+`python -m tests.inference.measured_floors make FOLDER plywood` writes plywood-floor.toml from pushes at 10 and 20 mm/s
+and drags of seven plates, `... plates FOLDER` the plates' shapes from both floors' files. `... judge` prints how far fits
+to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of a plate that the
+floor's fit did not see.
+"""
+
+import json
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import ConvergenceError, UnsupportedContact
+from cyclemap.evidence import Identification, collected_blocks, identified_material, identify
+from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
+from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
+from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.known_floor import held_values, known_beliefs, known_shapes, known_spread
+from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE, SurfaceParameters
+from cyclemap.evidence.pushes.measured_strokes import (
+    MeasuredPush,
+    RowSelection,
+    read_measured_pushes,
+    selected_rows,
+    session_name,
+)
+from cyclemap.mechanics import Material, PlatePressure, Slider, SurfaceShape, load_material, material_toml
+from cyclemap.mechanics.material import PLATE_SHAPE_KEYS, shape_numbers
+from cyclemap.text_files import read_csv_table
+
+FLOORS = ("plywood", "abs")
+PLATES = ("rect1", "rect2", "tri1", "tri3", "hex", "ellip1", "ellip2")
+PUSHES = {10: ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v10_more.csv"), 20: ("mit_push_endpoints_v20.csv",)}
+DRAGS = "mit_dragback_v10.csv"
+# Strokes of a session that take part, evenly spread.
+MOST = 40
+STUDENT = 4.0
+PLATES_PROVENANCE = (
+    "shapes of the plates of the MIT push dataset (Yu et al. 2016): means of what plywood and abs say, weighed by how "
+    "well each is known; made by python -m tests.inference.measured_floors plates FOLDER"
+)
+# Where the robot drags to.
+TARGET = (0.35, -0.03)
+
+
+def folder() -> Path:
+    return Path(os.environ.get("CYCLEMAP_DATA", Path(__file__).parents[3] / "shared" / "data"))
+
+
+@dataclass(frozen=True)
+class Floor:
+    """A floor as it was fitted: what was found, and the material of it."""
+
+    found: Identification
+    material: Material
+
+
+def fitted(
+    floor: str,
+    speeds: Sequence[int],
+    plates: Sequence[str] = PLATES,
+    *,
+    drags: bool = False,
+    most: int = MOST,
+    known: Material | None = None,
+    shapes: Sequence[PlatePressure] = (),
+) -> Floor:
+    """Fit a floor as `cyclemap identify` does; known: as of `--floor`, shapes: as of `--plate`."""
+    data = [folder() / name for speed in speeds for name in PUSHES[speed]] + ([folder() / DRAGS] if drags else [])
+    loop = CollectionLoop.mit("isotropic")
+    chosen: dict[str, str | float] = {"surface": floor} | ({"object": plates[0]} if len(plates) == 1 else {})
+    collected = collected_blocks(data, loop, chosen, most=most, population=known is not None, target=TARGET)
+    blocks = [one for one in collected.blocks if of_plates(one.name, plates)]
+    free = telling_parameters(blocks)
+    fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
+    free = tuple(name for name in free if name not in fixed)
+    beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])
+    found = identify(
+        blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=known_spread(known, blocks),
+    )  # fmt: skip
+    sources = [f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"]
+    return Floor(found, identified_material(found, f"{floor}-floor", sources, plate=plates[0], floor=known))
+
+
+def of_plates(block: str, plates: Sequence[str]) -> bool:
+    return block == "sessions" or block.split()[0] in plates or block.split()[0] in ("push", "drag-backs")
+
+
+def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[MeasuredPush]:
+    """Pushes of a session, evenly spread."""
+    pushes: list[MeasuredPush] = []
+    for name in PUSHES[speed]:
+        table = read_csv_table(folder() / name)
+        rows = selected_rows(table, RowSelection((plate,), {"surface": floor}))[0]
+        pushes += read_measured_pushes(table, rows) if rows else ()
+    return [pushes[k] for k in np.unique(np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int))]
+
+
+def errors(material: Material, plate: str, pushes: Sequence[MeasuredPush], session: str = "") -> tuple[float, float]:
+    """Mean distance (mm) and turn (degrees) by which pushes miss; in the shape of a session that was seen."""
+    slider, known = Slider.mit(plate), material.pressure_of(plate)
+    floor = next((one.shape for one in material.sessions if one.name == session), material.floor)
+    shapes = dict(zip(FLOOR_NAMES, floor.bend.tolist(), strict=True))
+    shapes |= {} if known is None else dict(zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True))
+    rod = material.found_with.pusher_friction or 0.15
+    surface = SurfaceParameters.from_friction(material.friction, pusher_friction=rod, **shapes)
+    shift = next(((one.x, one.y) for one in material.frames if one.plate == plate), (0.0, 0.0))
+    model, rows = surface_model(surface, slider, field=material.field), []
+    for push in pushes:
+        # One push in hundreds has no answer: the rod grazes a tip.
+        with suppress(ConvergenceError, UnsupportedContact):
+            end = predicted_push_ends(model, [push], shift, (), TARGET)[0][0]
+            rows.append(end - (push.end.x, push.end.y, push.end.theta))
+    off = np.array(rows)
+    return float(1e3 * np.mean(np.hypot(off[:, 0], off[:, 1]))), float(np.degrees(np.mean(np.abs(off[:, 2]))))
+
+
+def report(title: str, rows: dict[str, tuple[float, float]]) -> None:
+    mean = np.mean([*rows.values()], axis=0)
+    told = " | ".join(f"{plate} {mm:.2f}/{deg:.2f}" for plate, (mm, deg) in rows.items())
+    print(f"{title}: {told} | MEAN {mean[0]:.2f}/{mean[1]:.2f}", flush=True)
+
+
+def judge() -> None:
+    """Fit to 10 mm/s, judge on 20 mm/s."""
+    for floor in FLOORS:
+        found = fitted(floor, (10,)).material
+        flat = Material("flat", found.friction, found_with=found.found_with, frames=found.frames)
+        pushes = {plate: measured(floor, plate, 20) for plate in PLATES}
+        report(f"{floor}, isotropic and flat", {one: errors(flat, one, pushes[one]) for one in PLATES})
+        report(f"{floor}, floor's mean", {one: errors(found, one, pushes[one]) for one in PLATES})
+        at_ten = {one: errors(found, one, pushes[one], session_name(one, 0.01)) for one in PLATES}
+        report(f"{floor}, that plate's session", at_ten)
+        print(material_toml(replace(found, posterior=None)), flush=True)
+
+
+def left_out(plate: str) -> None:
+    """Leave a plate out of a floor's fit: with its shape from the other floor, and with ten of its own pushes."""
+    others = [one for one in PLATES if one != plate]
+    shapes = {floor: fitted(floor, (10,)).material.pressure_of(plate) for floor in FLOORS}
+    for floor, other in zip(FLOORS, FLOORS[::-1], strict=True):
+        known, shape, pushes = fitted(floor, (10,), others).material, shapes[other], measured(floor, plate, 20)
+        assert shape is not None
+        carried = fitted(floor, (10,), (plate,), most=10, known=known, shapes=(shape,)).material
+        own = fitted(floor, (10,), (plate,), most=10, known=known).material
+        report(f"{floor}, shape from {other}", {plate: errors(carried, plate, pushes)})
+        report(f"{floor}, ten pushes", {plate: errors(own, plate, pushes)})
+
+
+def make(target: Path, floor: str) -> None:
+    """Write a floor's material, fitted to all."""
+    material = fitted(floor, (10, 20), drags=True).material
+    words = f"{material.provenance}; made by python -m tests.inference.measured_floors make FOLDER {floor}"
+    (target / f"{material.name}.toml").write_text(material_toml(replace(material, provenance=words)))
+
+
+def plates(target: Path) -> None:
+    """Write the shapes of plates, those of both floors' materials weighed by how well each is known."""
+    lines = [f"provenance = {json.dumps(PLATES_PROVENANCE)}\n"]
+    for plate in PLATES:
+        shapes, weights = [], []
+        for floor in FLOORS:
+            known = load_material(target / f"{floor}-floor.toml")
+            assert known.posterior is not None
+            drawn = [known.sample(number).pressure_of(plate) for number in range(len(known.posterior))]
+            bends = np.array([one.shape.bend for one in drawn if one is not None])
+            shapes.append(known.pressure_of(plate).shape.bend)  # type: ignore[union-attr]
+            weights.append(1.0 / np.var(bends, axis=0))
+        mean = SurfaceShape.of_bend(*np.average(shapes, axis=0, weights=weights).tolist())
+        lines.append(f"[plates.{plate}]")
+        lines += [f"{key} = {value:.3f}" for key, value in shape_numbers(mean, PLATE_SHAPE_KEYS).items()]
+        lines.append("")
+    (target / "plates.toml").write_text("\n".join(lines))
+
+
+if __name__ == "__main__":
+    command, *rest = sys.argv[1:] or ["judge"]
+    if command == "make":
+        make(Path(rest[0]), rest[1])
+    elif command == "plates":
+        plates(Path(rest[0]))
+    elif command == "left-out":
+        left_out(rest[0])
+    else:
+        judge()
