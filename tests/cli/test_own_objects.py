@@ -204,18 +204,17 @@ def test_what_the_folder_of_a_log_says_of_the_push_holds_for_identify_and_portra
     (here / "data").mkdir()
     (here / "data" / "collection.toml").write_text("push_mm = 60\nfraction = 0.6\n")
     loop, rows = CollectionLoop.from_settings({"push_mm": 60, "fraction": 0.6, "mu_a": 0.3, "mu_b": 0.2}), []
-    theta = 0.1
-    for _ in range(12):
+    for theta in np.linspace(0.1, 6.0, 12):
         end = loop.model.push(loop.start_pose(theta), loop.push).end
         rows.append(f"{loop.start_pose(theta).x},{loop.start_pose(theta).y},{theta},{end.x},{end.y},{end.theta}\n")
-        theta = loop.cycle(theta).theta_next
     (here / "data" / "log.csv").write_text("start_x,start_y,start_yaw,end_x,end_y,end_yaw\n" + "".join(rows))
     few = ["--units", "rad,m", "--starts", "1", "--folds", "0"]
     ratio = next(
         one for one in report(capsys, "identify", "data/log.csv", *few)["derived"] if one["name"] == "axis_ratio"
     )
     assert ratio["value"] == pytest.approx(1.5, abs=1e-3)
-    beside = report(capsys, "portrait", "isotropic", "--data", "data/log.csv", "--units", "rad,m")
+    (here / "data" / "yaw.csv").write_text("yaw\n" + "".join(f"{0.3 * n + 0.1 * n % 0.07}\n" for n in range(12)))
+    beside = report(capsys, "portrait", "isotropic", "--data", "data/yaw.csv", "--units", "rad")
     assert beside["map"] == report(capsys, "portrait", "isotropic", "--protocol", "data/collection.toml")["map"]
 
 
