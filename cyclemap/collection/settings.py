@@ -22,6 +22,7 @@ from cyclemap.mechanics import (
     parse_footprint,
 )
 from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.material_text import built_in_plates
 from cyclemap.mechanics.outline import Outline
 from cyclemap.text_files import file_stem
@@ -232,7 +233,8 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
 def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
     """Return what is known of an object's plate: by the material, else, where its floor has a shape, built in."""
     built_in = () if material.floor.is_flat else built_in_plates()
-    return next((one for one in (*material.plates, *built_in) if one.plate == slider.name), None)
+    named = next((plate for plate in (*material.plates, *built_in) if plate.plate == slider.name), None)
+    return material.pressure_of(ANY_PLATE) if named is None else named
 
 
 def plate_note(material: Material, slider: Slider) -> str:

@@ -16,6 +16,8 @@ from cyclemap.mechanics.foundation import FLAT, FloorField, SurfaceShape
 from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 
+# What is believed of a plate that was not measured stands under this name.
+ANY_PLATE = "any"
 # Names of a material file, with what `FoundWith` calls them and the SI units of one of theirs.
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
@@ -414,10 +416,11 @@ class Material:
         )
 
     def pressure_of(self, plate: str) -> PlatePressure | None:
-        """Return how a plate (the name of a slider) presses on this surface; None where that is not
-        known.
+        """Return how a plate (the name of a slider) presses on this surface, or what is believed of
+        any plate; None where neither is known.
         """
-        return next((one for one in self.plates if one.plate == plate), None)
+        pressures = {pressure.plate: pressure for pressure in self.plates}
+        return pressures.get(plate, pressures.get(ANY_PLATE))
 
     def friction_after(self, cycles: float) -> EllipseFriction:
         """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays
