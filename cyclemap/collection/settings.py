@@ -16,6 +16,7 @@ from cyclemap.mechanics import (
     PatchFootprint,
     PointFootprint,
     Polygon,
+    PressedFootprint,
     Slider,
     parse_footprint,
 )
@@ -110,6 +111,8 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
         return found
     if isinstance(found, PointFootprint):
         raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
+    if isinstance(found, PressedFootprint):
+        raise InvalidInput(f"{given[0]} and shapes of plate and floor both say how it presses: give one of them")
     before = PatchFootprint(slider.outline, centre=slider.centre_of_mass) if found is None else found
     return replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
 

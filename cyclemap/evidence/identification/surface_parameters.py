@@ -18,7 +18,15 @@ from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import with_material
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.mechanics import Ellipse, EllipseFriction, Material, PatchFootprint, PointFootprint, Pusher
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    Material,
+    PatchFootprint,
+    PointFootprint,
+    PressedFootprint,
+    Pusher,
+)
 from cyclemap.mechanics.outline import Outline
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
@@ -300,6 +308,8 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     """
     if isinstance(loop.footprint, PointFootprint):
         raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
+    if isinstance(loop.footprint, PressedFootprint):
+        raise InvalidInput("identification does not know shapes of plate and floor yet: take a loop without them")
     if start is not None:
         loop = with_material(loop, start)
     even = PatchFootprint(loop.slider.outline)
