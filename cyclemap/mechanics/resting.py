@@ -22,7 +22,7 @@ def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLik
     >>> trough = SurfaceShape(10.0, 10.0, math.pi / 2)
     >>> on_trough = PressedFootprint(square, floor=trough)
     >>> resting_pressure(on_trough, 0.0, [(0.0, 0.0), (0.0, 0.045)]).round(3).tolist()
-    [0.0, 7.053]
+    [0.0, 7.683]
     """
     at = finite_array("places", places, last=2)
     size, outline = footprint.extent, footprint.outline
