@@ -143,6 +143,11 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
         return {key: _written(setting.unit, setting.of(loop)) for key, setting in shapes.items()}
     if isinstance(found, PatchFootprint):
         return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
+    if isinstance(found, PressedFootprint):
+        raise InvalidInput(
+            "a protocol has no settings for shapes of plate and floor: write it without them, and give the loop a "
+            "PressedFootprint by hand"
+        )
     names = ["corners"] if isinstance(loop.slider.outline, Polygon) else []
     for name in (*names, *(f"grid:{count}" for count in range(2, _LARGEST_GRID + 1))):
         if _same_footprint(found, parse_footprint(name, loop.slider.outline)):
@@ -163,7 +168,7 @@ def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
         alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
-    return one is None and other is None
+    return one == other
 
 
 def _same(one: object, other: object) -> bool:

@@ -275,7 +275,8 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     The even part becomes the paper's grid (`grid_footprint`), weighted where it leans; the inner
     part that grid scaled; the rim about 4 `count` points along the outline, and the corners
     themselves; all then weighted with 1 + c . x, so that the centre of pressure is the patch's to
-    rounding. InvalidInput where that takes negative weights: steep leans on coarse grids.
+    rounding. InvalidInput where that takes negative weights, steep leans on coarse grids, and for
+    a PressedFootprint, whose loads follow the orientation.
     """
     if isinstance(footprint, PointFootprint):
         return footprint

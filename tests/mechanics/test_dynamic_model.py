@@ -20,10 +20,12 @@ from cyclemap.mechanics import (
     PatchFootprint,
     Polygon,
     Pose,
+    PressedFootprint,
     Pusher,
     QuasiStaticModel,
     SidePush,
     Slider,
+    SurfaceShape,
     dynamic_model,
     grid_footprint,
     load_material,
@@ -269,3 +271,19 @@ def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static
     drag, slow_drag = (model(*parts).drag(found.end, ((0.0, 0.0),)) for model in (DynamicModel, QuasiStaticModel))
     assert drag.turn == pytest.approx(slow_drag.turn, abs=math.radians(1.0))
     assert drag.length == pytest.approx(slow_drag.length, rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("theta", [0.0, 2.3])
+def test_where_neither_plate_nor_floor_is_flat_both_models_agree(theta):
+    plate, trough = SurfaceShape(0.0, 1.1, 0.23), SurfaceShape(10.0, 10.0, math.pi / 2)
+    footprint, isotropic = PressedFootprint(SQUARE.outline, plate, trough), EllipseFriction(0.25, 0.25)
+    strokes = []
+    for each in (DynamicModel, QuasiStaticModel):
+        moved = each(SQUARE, isotropic, Pusher(), footprint=footprint)
+        push = moved.push(Pose(theta=theta), SidePush())
+        strokes.append((push.turn, moved.drag(push.end, ((0.0, 0.0),)).turn))
+    assert np.degrees(np.abs(np.subtract(*strokes))).max() < 0.4
+    # Even pressure would turn it by several degrees more.
+    even = QuasiStaticModel(SQUARE, isotropic, Pusher()).push(Pose(theta=theta), SidePush())
+    assert abs(even.turn - strokes[0][0]) > math.radians(3.0)

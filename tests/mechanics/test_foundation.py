@@ -25,6 +25,7 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
+from cyclemap.mechanics.footprint import pressure_points
 
 SQUARE = Slider.mit("rect1").outline
 LOOP = cm.CollectionLoop.mit(material="isotropic")
@@ -353,6 +354,8 @@ def test_derivatives_by_shapes_that_a_footprint_does_not_have_are_nan():
         (lambda: PressedFootprint(SQUARE, centre=(0.09, 0.0)), "tip"),
         (lambda: PressedFootprint(SQUARE, centre=(math.nan, 0.0)), "centre of mass"),
         (lambda: PressedFootprint(grid_footprint(SQUARE, 8)), "support points"),
+        (lambda: pressure_points(PressedFootprint(SQUARE), 8), "follows"),
+        (lambda: cm.CollectionLoop.from_settings({"rim_share": 0.1}, on(floor=TROUGH)), "give one of them"),
         (lambda: resting_pressure(PressedFootprint(SQUARE), math.nan, ((0.0, 0.0),)), "theta"),
         (lambda: resting_pressure(PressedFootprint(SQUARE), 0.0, ((math.nan, 0.0),)), "places"),
     ],
