@@ -232,7 +232,7 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
 
 def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
     """Return what is known of an object's plate: by the material, else, where its floor has a shape, built in."""
-    built_in = () if material.floor.is_flat else built_in_plates()
+    built_in = () if material.floor.is_flat and material.field is None else built_in_plates()
     named = next((plate for plate in (*material.plates, *built_in) if plate.plate == slider.name), None)
     return material.pressure_of(ANY_PLATE) if named is None else named
 
@@ -243,7 +243,8 @@ def plate_note(material: Material, slider: Slider) -> str:
     >>> plate_note(Material("slate", EllipseFriction(0.2, 0.2), plates=(PlatePressure("hex"),)), Slider.mit("rect1"))
     'rect1 was never seen on slate: a flat plate is taken'
     """
-    if material.pressure_of(slider.name) is not None or (material.floor.is_flat and not material.plates):
+    knows = material.plates or not material.floor.is_flat or material.field is not None
+    if material.pressure_of(slider.name) is not None or not knows:
         return ""
     known = known_plate(material, slider)
     taken = "a flat plate is taken" if known is None else "its built-in shape, found on other floors, is taken"

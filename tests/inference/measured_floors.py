@@ -1,9 +1,9 @@
 """Infer the floors of the MIT push dataset and the shapes of its plates, and judge them on what was left out.
 
 `python -m tests.inference.measured_floors make FOLDER plywood` writes plywood-floor.toml from pushes at 10 and 20 mm/s
-and drags of seven plates, `... plates FOLDER` the plates' shapes from both floors' files. `... judge` prints how far fits
-to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of a plate that the
-floor's fit did not see.
+and drags of seven plates, `... plates FOLDER` the plates' shapes from the files of both floors. `... judge` prints how
+far fits to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of a
+plate that the floor's fit did not see.
 """
 
 import json
@@ -18,7 +18,15 @@ import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, UnsupportedContact
-from cyclemap.evidence import Identification, collected_blocks, identified_material, identify
+from cyclemap.evidence import (
+    DataBlock,
+    Identification,
+    Parameter,
+    ParameterSpace,
+    collected_blocks,
+    identified_material,
+    identify,
+)
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
 from cyclemap.evidence.identification.data_block import usual_beliefs
@@ -71,6 +79,7 @@ def fitted(
     most: int = MOST,
     known: Material | None = None,
     shapes: Sequence[PlatePressure] = (),
+    begin: Material | None = None,
 ) -> Floor:
     """Fit a floor as `cyclemap identify` does; known: as of `--floor`, shapes: as of `--plate`."""
     data = [folder() / name for speed in speeds for name in PUSHES[speed]] + ([folder() / DRAGS] if drags else [])
@@ -82,11 +91,32 @@ def fitted(
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
     free = tuple(name for name in free if name not in fixed)
     beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])
+    blocks, space = begun(blocks, begin, plates[0])
     found = identify(
-        blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=known_spread(known, blocks),
+        blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=known_spread(known, blocks), space=space,
     )  # fmt: skip
     sources = [f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"]
     return Floor(found, identified_material(found, f"{floor}-floor", sources, plate=plates[0], floor=known))
+
+
+def begun(blocks: Sequence[DataBlock], begin: Material | None, plate: str) -> tuple[list[DataBlock], ParameterSpace]:
+    """Let the search begin at the shapes of a material."""
+    if begin is None:
+        return list(blocks), SURFACE
+    shapes = {one.plate: one.shape.bend for one in begin.plates}
+    heights = held_values(blocks, SURFACE, (), begin)
+
+    def started(one: Parameter) -> Parameter:
+        plain, _, owner = one.name.partition("[")
+        at = heights.get(one.name, one.start)
+        if plain in FLOOR_NAMES:
+            at = begin.floor.bend[FLOOR_NAMES.index(plain)]
+        elif plain in PLATE_NAMES:
+            at = shapes.get(owner.rstrip("]") or plate, np.zeros(3))[PLATE_NAMES.index(plain)]
+        return replace(one, start=float(at))
+
+    changed = [replace(block, own_parameters=tuple(map(started, block.own_parameters))) for block in blocks]
+    return changed, ParameterSpace(tuple(map(started, SURFACE.parameters)))
 
 
 def of_plates(block: str, plates: Sequence[str]) -> bool:
@@ -156,7 +186,8 @@ def left_out(plate: str) -> None:
 
 def make(target: Path, floor: str) -> None:
     """Write a floor's material, fitted to all."""
-    material = fitted(floor, (10, 20), drags=True).material
+    shipped = load_material(f"{floor}-floor")
+    material = fitted(floor, (10, 20), drags=True, begin=shipped).material
     words = f"{material.provenance}; made by python -m tests.inference.measured_floors make FOLDER {floor}"
     (target / f"{material.name}.toml").write_text(material_toml(replace(material, provenance=words)))
 
