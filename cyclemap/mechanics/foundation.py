@@ -97,8 +97,8 @@ class PressedFootprint:
     centre : centre of mass, m; None: the centroid. InvalidInput outside the outline's convex hull,
         where the object would tip, and for support points, which have no area.
 
-    Load and moments balance to 1e-11 of the load, plus 2e-12 times the shapes' numbers; InvalidInput
-    on first use where no balance is found.
+    Load and moments balance to 1e-11 of the load, plus 2e-12 times the shapes' numbers;
+    InvalidInput on first use where no balance is found.
 
     From them: extent, m, of the outline; plate_bend, floor_bend (3,), the shapes as the engine has
     them, per unit load and lengths in extents: bend_unit times theirs.
