@@ -144,9 +144,12 @@ class PressedFootprint:
     outline : what may touch the ground.
     plate, floor : their shapes, in mean pressures.
     centre : centre of mass, m; None: the centroid. InvalidInput outside the outline's convex hull,
-        where the object would tip.
+        where the object would tip, and for support points, which have no area.
     field : how the floor's shape varies with the place, `floor` being that at the world's origin;
         None: not.
+
+    Load and moments balance to 1e-11 of the load, plus 2e-12 times the shapes' numbers;
+    InvalidInput on first use where no balance is found.
 
     From them: extent, m, of the outline; plate_bend, floor_bend (3,), field_bend (3, 5), the shapes
     as the engine has them, per unit load and lengths in extents: bend_unit times theirs.

@@ -126,15 +126,16 @@ static ALWAYS_INLINE void zeros_of(double weight, const double *a, const double 
     zeros[1] = quotient(first - down, first + down);
 }
 
-/* How far a panel, low to high in 2 s - 1, is from what is singular: see `axis` of Arc. */
-static double panel_axis(double axis, const double complex *zeros, double low, double high) {
+/* The first of Gauss's rules that serves a panel of an arc, low to high in 2 s - 1, beside the
+   zeros of w, from the one that its poles ask for. */
+static int panel_rule(int rule, const double complex *zeros, double low, double high, int digits) {
     double middle = 0.5 * (low + high), scale = 2.0 / (high - low);
     for (int k = 0; k < ZEROS; ++k) {
         double x = (creal(zeros[k]) - middle) * scale, y = cimag(zeros[k]) * scale;
-        double other = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
-        if (other < axis) axis = other;
+        double axis = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
+        while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
     }
-    return axis;
+    return rule;
 }
 
 /* A panel of an arc, low to high in 2 s - 1, and one of Gauss's rules for it. */
@@ -172,14 +173,15 @@ static void move_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
     }
 }
 
-/* Panels are halved towards what is singular. */
+/* Panels are halved towards what is singular; the poles' half axis grows at least by its distance
+   from 1. */
 static void add_panels(Cones *c, const Sweep *sweep, double axis, const double complex *zeros,
                        double low, double high) {
-    int rule = boundary_rule(panel_axis(axis, zeros, low, high), c->digits);
+    int rule = panel_rule(arc_rule(axis, c->digits), zeros, low, high, c->digits);
     double middle = 0.5 * (low + high);
     if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
-        add_panels(c, sweep, axis, zeros, low, middle);
-        add_panels(c, sweep, axis, zeros, middle, high);
+        add_panels(c, sweep, 2.0 * axis - 1.0, zeros, low, middle);
+        add_panels(c, sweep, 2.0 * axis - 1.0, zeros, middle, high);
         return;
     }
     Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
@@ -203,7 +205,7 @@ static void add_arc_of(Cones *c, const Arc *arc) {
         add_panels(c, &sweep, arc->axis, zeros, -1.0, 1.0);
         return;
     }
-    int rule = boundary_rule(arc->axis, c->digits);
+    int rule = arc_rule(arc->axis, c->digits);
     if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
     Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {

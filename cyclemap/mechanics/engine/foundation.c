@@ -15,6 +15,9 @@ static const double LEAST_AXIS = 1.8;
 enum { MOST_HALVINGS = 6 };
 /* Arcs that turn by less than this are sides. */
 static const double STRAIGHT_TURN = 1e-13;
+/* Where P's gradient is less than this beside what P bends by along an arc the conic nearly falls
+   into lines, and rounding hides which way an arc bends: it is straight. */
+static const double NEARLY_DOUBLE = 1e-7;
 /* An arc of an ellipse's rim goes no farther around it. */
 static const double WIDEST_RIM = 1.6;
 /* Conics that bend by less than this share of their slope are taken for straight where their arcs
@@ -126,6 +129,12 @@ static void note(Places *places, double x, double y, int kind) {
     ++places->count;
 }
 
+static void put_side(Pressed *at, const double *side) {
+    if (at->side_count < MOST_SIDES)
+        memcpy(at->sides[at->side_count], side, EDGE_SIZE * sizeof(double));
+    ++at->side_count;
+}
+
 /* Stretches of one side on which P > 0, and the places where it changes its sign. */
 static void cut_side(Pressed *at, const double *a, const double *b, double first, double last,
                      Places *crossings) {
@@ -153,14 +162,13 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
     for (int k = 0; k + 1 < count; ++k) {
         double middle = 0.5 * (stops[k] + stops[k + 1]);
         if (!(first + middle * (linear + middle * square) > 0.0)) continue;
-        if (at->side_count < MOST_SIDES) {
-            double *to = at->sides[at->side_count];
-            to[EDGE_START_X] = a[X] + stops[k] * ex;
-            to[EDGE_START_Y] = a[Y] + stops[k] * ey;
-            to[EDGE_END_X] = a[X] + stops[k + 1] * ex;
-            to[EDGE_END_Y] = a[Y] + stops[k + 1] * ey;
-        }
-        ++at->side_count;
+        const double side[] = {
+            [EDGE_START_X] = a[X] + stops[k] * ex,
+            [EDGE_START_Y] = a[Y] + stops[k] * ey,
+            [EDGE_END_X] = a[X] + stops[k + 1] * ex,
+            [EDGE_END_Y] = a[Y] + stops[k + 1] * ey,
+        };
+        put_side(at, side);
     }
 }
 
@@ -238,9 +246,10 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
 /* The same of an ellipse's rim: P along it has four zeros at most, one between neighbours of its
    extremes. */
 static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
-    enum { MOST = 2 * RIM_SAMPLES };
+    enum { MOST = 2 * RIM_SAMPLES, MOST_CUTS = 8 };
+    int kinds[MOST_CUTS];
     Around e = around_of(at->pressure, semi);
-    double stops[MOST + 1], values[MOST + 1], cuts[9], step = 2.0 * M_PI / RIM_SAMPLES;
+    double stops[MOST + 1], values[MOST + 1], cuts[MOST_CUTS + 1], step = 2.0 * M_PI / RIM_SAMPLES;
     double slope = around_slope(&e, 1.0, 0.0);
     int count = 0, cut_count = 0;
     for (int i = 0; i < RIM_SAMPLES; ++i) {
@@ -257,18 +266,18 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     stops[count] = 2.0 * M_PI;
     values[count] = values[0];
     for (int i = 0; i < count; ++i)
-        if ((values[i] > 0.0) != (values[i + 1] > 0.0) && cut_count < 8)
+        if ((values[i] > 0.0) != (values[i + 1] > 0.0) && cut_count < MOST_CUTS) {
+            kinds[cut_count] = values[i + 1] > 0.0 ? IS_END : IS_START;
             cuts[cut_count++] = zero_between(around_at, &e, stops[i], stops[i + 1]);
+        }
     if (!cut_count) {
         if (values[0] > 0.0) add_rims(at, semi, 0.0, 2.0 * M_PI);
         return;
     }
     cuts[cut_count] = cuts[0] + 2.0 * M_PI;
     for (int i = 0; i < cut_count; ++i) {
-        double middle = 0.5 * (cuts[i] + cuts[i + 1]);
-        int kind = around_at(&e, cos(middle), sin(middle)) > 0.0 ? IS_END : IS_START;
-        note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kind);
-        if (kind == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
+        note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kinds[i]);
+        if (kinds[i] == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
     }
 }
 
@@ -314,13 +323,12 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     gradient_at(p, a[X], a[Y], first);
     gradient_at(p, b[X], b[Y], last);
     double turn = first[X] * last[Y] - first[Y] * last[X];
-    double size = size_of(first[X], first[Y]) * size_of(last[X], last[Y]);
-    if (!(fabs(turn) > STRAIGHT_TURN * size)) {
-        if (at->side_count < MOST_SIDES) {
-            const double side[] = {a[X], a[Y], b[X], b[Y]};
-            memcpy(at->sides[at->side_count], side, sizeof side);
-        }
-        ++at->side_count;
+    double start = size_of(first[X], first[Y]), end = size_of(last[X], last[Y]);
+    double bend = fabs(p[Q_XX]) + 2.0 * fabs(p[Q_XY]) + fabs(p[Q_YY]);
+    double least = NEARLY_DOUBLE * bend * size_of(ex, ey);
+    if (!(fabs(turn) > STRAIGHT_TURN * start * end) || start < least || end < least) {
+        const double side[] = {a[X], a[Y], b[X], b[Y]};
+        put_side(at, side);
         return;
     }
     /* c = a + along (-first_y, first_x): off both gradients */
@@ -512,17 +520,17 @@ static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
     m[OF_YYY] += fy * yy;
 }
 
-/* The first of Gauss's rules that serves an ellipse with this half axis. On parabolas, whose poles
-   are at infinity, sums are of degree 8: six nodes at least. */
+/* The first of Gauss's rules that serves an arc whose poles have this half axis. On parabolas,
+   whose poles are at infinity, sums are of degree 8: six nodes at least. */
 enum { LEAST_RULE = 1 };
-static int boundary_rule(double axis, int digits) {
+static int arc_rule(double axis, int digits) {
     int rule = LEAST_RULE;
-    while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
+    while (rule < BOUNDARY_RULE_COUNT && axis < POLE_REACH[digits][rule]) ++rule;
     return rule;
 }
 
 static void arc_moments(const Arc *arc, Lanes *m) {
-    int rule = boundary_rule(arc->axis, DIGIT_CLASSES - 1);
+    int rule = arc_rule(arc->axis, DIGIT_CLASSES - 1);
     if (rule == BOUNDARY_RULE_COUNT) --rule;
     Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {

@@ -256,8 +256,11 @@ def _tables() -> str:
     }
     boundary = [np.polynomial.legendre.leggauss(order) for order in BOUNDARY_RULES]
     around = np.arange(RIM_SAMPLES + 1) * 2.0 * np.pi / RIM_SAMPLES
-    # The half axis of Bernstein's ellipse from which a rule serves.
-    reach = np.cosh(np.array(BOUNDARY_DIGITS)[:, None] / (2.0 * np.array(BOUNDARY_RULES)))
+    # The half axis of Bernstein's ellipse from which a rule serves, and that of an arc's poles, at
+    # which sums are of the fifth order: errors are larger by (2 n)^4 / 4!.
+    twice, digits = 2.0 * np.array(BOUNDARY_RULES), np.array(BOUNDARY_DIGITS)[:, None]
+    reach = np.cosh(digits / twice)
+    pole_reach = np.cosh((digits + np.log(twice**4 / 24.0)) / twice)
     lines = [enum_of(counts)]
     integers = {"STAGE_ORDER": order}
     angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])
@@ -291,6 +294,7 @@ def _tables() -> str:
         ("A", coefficients),
         ("BEND", bend_weights()),
         ("BOUNDARY_REACH", reach),
+        ("POLE_REACH", pole_reach),
     ):
         rows = braced(braced(row) for row in table.tolist())
         lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
