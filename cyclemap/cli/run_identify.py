@@ -151,8 +151,8 @@ def _conclude(
 def target_place(text: str) -> tuple[float, float]:
     """The place (m) of a text such as `350,-30`, mm.
 
-    >>> target_place("350, -30")
-    (0.35, -0.03)
+    >>> target_place("250, -30")
+    (0.25, -0.03)
     """
     try:
         x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))

@@ -240,7 +240,9 @@ def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
 def plate_note(material: Material, slider: Slider) -> str:
     """Return a sentence on an object that the material does not know; empty where it does, or knows of no object.
 
-    >>> plate_note(Material("slate", EllipseFriction(0.2, 0.2), plates=(PlatePressure("hex"),)), Slider.mit("rect1"))
+    >>> from cyclemap.mechanics import load_material
+    >>> slate = replace(load_material("plywood"), name="slate", plates=(PlatePressure("hex"),))
+    >>> plate_note(slate, Slider.mit("rect1"))
     'rect1 was never seen on slate: a flat plate is taken'
     """
     knows = material.plates or not material.floor.is_flat or material.field is not None

@@ -25,7 +25,7 @@ def table(tmp_path, theta_deg, turn_deg=None):
 
 def test_a_collection_that_ends_in_one_direction_is_told_from_which_push_on(tmp_path) -> None:
     noise = np.random.default_rng(1).normal(0.0, 1.0, 60)
-    theta = np.concatenate([np.arange(0.0, 360.0, 15.0), 63.0 + noise])
+    theta = np.concatenate([np.arange(78.0, 420.0, 15.0) % 360.0, 63.0 + noise])
     found = audit(table(tmp_path, theta))
     assert 20 <= found.locked_from <= 30
     assert found.gathered > 0.95 and found.worth < 40 and not found.is_good
