@@ -81,7 +81,7 @@ def run_identify(
         )  # fmt: skip
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
-    named = named or tuple(one for one in telling_parameters(collected.blocks) if one not in fixed)
+    named = named or tuple(one for one in telling_parameters(collected.blocks, known is not None) if one not in fixed)
     held = held_values(collected.blocks, space, named, known)
     beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.engine.schema import KINDS, MODES, PIECE, RECORD
 from cyclemap.mechanics.engine.strokes import Strokes, record
 from cyclemap.mechanics.slider import Pose
@@ -68,6 +68,10 @@ class Course:
 
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""
+        if self.rows.ndim == 0:
+            raise ConvergenceError(
+                "the course cannot be told step by step, though its end was found"
+            )
         of_first = RECORD.columns_of(self.rows).stroke == 0.0
         rows = self.rows[of_first & (self.strokes.length > 0.0) == of_push]
         told = RECORD.columns_of(rows)

@@ -4,6 +4,9 @@
 /* Residuals, over the mean friction coefficient, at which unknowns count as found, and above which
    they are refused. */
 static const double FOUND = 2e-13, ACCEPTED = 1e-10;
+/* The sums of a foundation have noise, of nearly rigid shapes more than ACCEPTED: this share of the
+   tolerance of a step may remain. */
+static const double ACCEPTED_SHARE = 0.1;
 /* A support point slower than this (unit travel of the rod) has a kink beneath it. */
 static const double STILL = 1e-7;
 
@@ -376,7 +379,8 @@ static int bracketed(Stroke *r, Motion *m, const double *state, double *row, dou
     if (closed == 2) settle_with(r, m, state, s.force, row, report);
     if (closed != 1) return closed < 0 ? NO_SLIP : 1;
     s.force = force_of(report);
-    if (iterate(r, m, state, m->z, row, report) <= ACCEPTED) return 1;
+    double accepted = fmax(ACCEPTED, ACCEPTED_SHARE * r->object->tolerance);
+    if (iterate(r, m, state, m->z, row, report) <= accepted) return 1;
     if (!count_of_points(r)) return UNSOLVED;
     /* a support point stands still, whose friction the spin alone does not tell */
     settle_with(r, m, state, s.force, row, report);
