@@ -133,7 +133,7 @@ def built_in_plates() -> tuple[PlatePressure, ...]:
 
 def _plates_of(plates: dict[str, object]) -> tuple[PlatePressure, ...]:
     tables = {plate: _table(plates, plate, PLATE_KEYS, f"plates.{plate}") for plate in plates}
-    return tuple(PlatePressure.of_numbers(*entry) for entry in tables.items())  # type: ignore[arg-type]
+    return tuple(PlatePressure.of_numbers(*entry) for entry in tables.items())
 
 
 def _material_of(table: dict[str, object], name: str) -> Material:

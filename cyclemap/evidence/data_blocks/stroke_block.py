@@ -129,7 +129,7 @@ def _by_field(by_floor: Array, places: Array) -> Array:
     """Derivatives (n, m, 9) by the floor's heights, of those (n, m, 3) by its shape at places (n, 2), m from target."""
     reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
     terms = np.array([reaching.terms_at((x, y)) for x, y in places.tolist()])
-    return np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
+    return np.asarray(np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms))
 
 
 def _stroke_block(
@@ -208,7 +208,7 @@ def predicted_push_ends(
     ]
     both = list(zip(strokes, theta[touched].tolist(), strict=True))
     places = (ends[touched, :2] - origin).tolist()
-    begins = [Pose(*place, angle) for place, (_, angle) in zip(places, both, strict=True)]
+    begins = [Pose(x, y, angle) for (x, y), (_, angle) in zip(places, both, strict=True)]
     courses = [model.course(one, begin) for (one, _), begin in zip(both, begins, strict=True)]
     ran = run_strokes(courses, len(PARAMETERS), _FAILING)
     moved, done = np.column_stack([model.unit * ran.pushed[:, :2] + origin, ran.pushed[:, 2]]), ran.status > 0
