@@ -2,8 +2,8 @@
 
 `python -m tests.inference.measured_floors make FOLDER plywood` writes plywood-floor.toml from pushes at 10 and 20 mm/s
 and drags of seven plates, `... plates FOLDER` the plates' shapes from the files of both floors. `... judge` prints how
-far fits to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of a plate
-that the floor's fit did not see.
+far fits to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of one
+plate that the floor's fit did not see.
 """
 
 import json
