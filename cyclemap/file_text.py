@@ -36,6 +36,8 @@ class Unit:
 
     >>> MILLIMETRES.read(Decimal("49.75")), str(MILLIMETRES.written(0.04975))
     (0.04975, '49.75')
+    >>> str(MILLIMETRES.written(0.01378)), 1000 * 0.01378
+    ('13.78', 13.780000000000001)
     >>> DEGREES.read(DEGREES.written(1.0)) == 1.0
     True
     """
@@ -67,9 +69,10 @@ class Unit:
     def written(self, value: float) -> Decimal:
         """Return the shortest decimal, of those tried, that `read` gives back as `value`."""
         exact = _CONTEXT.divide(Decimal(value), self.in_si)
-        short = Decimal(repr(float(exact)))
-        if self.read(short) == value:
-            return short
+        # The double next to it may be 13.780000000000001 where 13.78 leads back, too.
+        for short in (float(Context(prec=_SHORT).plus(exact)), float(exact)):
+            if self.read(short) == value:
+                return Decimal(repr(short))
         for digits in range(_SHORT, _MOST_DIGITS):
             found = Context(prec=digits, rounding=ROUND_HALF_EVEN).plus(exact)
             if self.read(found) == value:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cyclemap.file_text import MILLIMETRES
+
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
@@ -87,8 +89,8 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
             "side": acted.push.side,
             "fraction": number(acted.push.fraction),
             "angle_deg": degrees(acted.push.angle),
-            "push_mm": number(1e3 * acted.push.distance),
-            "way_points_mm": [[number(1e3 * x), number(1e3 * y)] for x, y in acted.reset.way_points],
+            "push_mm": millimetres(acted.push.distance),
+            "way_points_mm": [[*map(millimetres, place)] for place in acted.reset.way_points],
             "gripper_turn_deg": degrees(action.turn),
         }
         for action, acted, share in zip(strategy.actions, strategy.loops(loop), strategy.shares, strict=True)
@@ -215,6 +217,15 @@ def numbers(values: Iterable[float]) -> list[float | None]:
 def degrees(radians: float | None) -> float | None:
     """Return an angle in degrees."""
     return None if radians is None else number(math.degrees(radians))
+
+
+def millimetres(metres: float) -> float:
+    """Return a length that was set in millimetres, in the digits it was set in.
+
+    >>> millimetres(0.01378)
+    13.78
+    """
+    return float(MILLIMETRES.written(metres))
 
 
 def numbers_of(one: object, *names: str) -> Json:

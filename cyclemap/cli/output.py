@@ -25,9 +25,33 @@ from cyclemap.text_files import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from cyclemap.collection.loop import CollectionLoop
+
 PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
 # More letters than any table has in a row.
 _WIDEST = 10_000
+# Of a table wider than this, in letters, columns of words are broken at so many.
+_WIDE, _WORDS = 120, 32
+
+
+def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None = None) -> Path:
+    """Return where results of a kind about a loop go, without an ending: named by its surface, and by its object.
+
+    MIT's square, which the paper is about, goes unsaid. surface : in place of the material's name.
+
+    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> from cyclemap.mechanics import Slider
+    >>> for shape in ("rect1", "hex"):
+    ...     print(result_stem(Path(), "portrait", CollectionLoop.mit("pu", slider=Slider.mit(shape))))
+    portrait_pu
+    portrait_hex_on_pu
+    """
+    from cyclemap.mechanics import Slider  # those that only publish need no mechanics
+
+    name, square = loop.slider.name, Slider.mit("rect1")
+    where = file_stem(loop.material.name if surface is None else surface)
+    is_square = (name, loop.slider.outline) == (square.name, square.outline)
+    return out / (f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}")
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -147,6 +171,12 @@ class PeopleConsole(Console):
         """
         before, room = self.width, self.options.update(width=_WIDEST)
         needed = Measurement.get(self, room, table).maximum
+        if needed > _WIDE:
+            # Words can be broken, numbers cannot.
+            for column in table.columns:
+                if column.justify == "left":
+                    column.max_width = min(column.max_width or _WORDS, _WORDS)
+            needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:
             if table.title:
                 self.print(table.title, style="italic")

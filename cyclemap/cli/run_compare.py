@@ -5,7 +5,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
 from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
@@ -43,7 +43,7 @@ def run_compare(
             progress=report,
         )
     page = compare_page(name, found, turn_curve(found.prediction.map_at(found.middle)))
-    stem = out / f"compare_{file_stem(name)}"
+    stem = result_stem(out, "compare", loop)
     picture = publish(compare_report(name, found), page, stem, picture_format, json_target)
     if picture is None:
         return

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import Json, actions_report, degrees, number
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, people_table, publish_json, result_stem, write_json
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -48,7 +48,8 @@ def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_targ
         tables.append(table)
     report: Json = {"cycles": cycles}
     if out is not None:
-        write_json(out / f"cycles_{file_stem(name)}.json", report)
+        stem = result_stem(out, "cycles", loop)
+        write_json(stem.with_name(f"{stem.name}.json"), report)
     if not publish_json(report, json_target):
         for table in tables:
             PeopleConsole().print_table(table)

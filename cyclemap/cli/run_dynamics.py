@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import Json, degrees, number
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
@@ -31,7 +31,7 @@ def run_dynamics(
     rows = {"anisotropic": _rows(starts_deg, material), "isotropic": _rows(starts_deg, isotropic)}
     mu = {"mu": number(isotropic.loop.loop.material.friction.mu_a)}
     told: Json = {"speed_mm_s": number(1e3 * loop.speed), **rows, "isotropic": {**mu, **rows["isotropic"]}}
-    stem = out / f"dynamics_{file_stem(chosen.material.name)}"
+    stem = result_stem(out, "dynamics", chosen)
     picture = publish(told, dynamics_page(material, isotropic), stem, picture_format, json_target)
     if picture is None:
         return

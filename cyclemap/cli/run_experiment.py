@@ -6,7 +6,7 @@ import numpy as np
 
 from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
@@ -30,7 +30,7 @@ def run_experiment(
         "anisotropic": _run(experiment.anisotropic),
         "isotropic": _run(experiment.isotropic),
     }
-    stem = out / f"experiment_{file_stem(loop.material.name)}"
+    stem = result_stem(out, "experiment", loop)
     picture = publish(told, page.experiment_page(experiment), stem, picture_format, json_target)
     if picture is not None:
         tellers = (page.experiment_headline, page.spread_sentence, page.isotropic_sentence, page.method_line)

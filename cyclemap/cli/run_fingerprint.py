@@ -5,7 +5,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number, orbit_report, uncertainty_report
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
@@ -42,7 +42,7 @@ def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format
     known = direction_uncertainty(loop) if predicts else None
     told = fingerprint_report(found, prediction, checked, name, known)
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    picture = publish(told, page, out / f"fingerprint_{file_stem(name)}", picture_format, json_target)
+    picture = publish(told, page, result_stem(out, "fingerprint", loop, name), picture_format, json_target)
     if picture is None:
         return
     console = PeopleConsole()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -38,8 +38,8 @@ def run_portrait(
     with progress_bar(f"cycle map of {loop.material.name}") as report:
         found = portrait(loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=report)
     measured = None if pairs is None else _overlay(pairs, found)
-    page, stem = portrait_page(found, portrait_curves(found), measured), f"portrait_{file_stem(loop.material.name)}"
-    picture = publish(portrait_report(found, measured), page, out / stem, picture_format, json_target)
+    page, stem = portrait_page(found, portrait_curves(found), measured), result_stem(out, "portrait", loop)
+    picture = publish(portrait_report(found, measured), page, stem, picture_format, json_target)
     if picture is None:
         return
     console, material = PeopleConsole(), found.loop.material

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.settings import plate_note
@@ -55,7 +55,7 @@ def run_replay(
         raise CycleMapError(f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}")
     seen = [name for name in replayed.table["object"].unique() if name in sliders]
     notes = [note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))]
-    stem, page = out / f"replay_{file_stem(material.name)}", replay_page(replayed, material.name)
+    stem, page = result_stem(out, "replay", loop), replay_page(replayed, material.name)
     report_json = replay_report(replayed, material.name, pusher.friction, notes)
     picture = publish(report_json, page, stem, picture_format, json_target)
     if picture is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
-from cyclemap.cli.output import file_stem, progress_bar
+from cyclemap.cli.output import progress_bar, result_stem
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -81,7 +81,8 @@ def run_report(options: LoopOptions, data: Path | None, table: TableOptions, res
         downloads=downloads,
         inputs=[path for path in (data, options.protocol) if path is not None and path.is_file()],
     )
-    place = out / f"report_{file_stem(loop.material.name)}.html"
+    stem = result_stem(out, "report", loop)
+    place = stem.with_name(f"{stem.name}.html")
     write_whole(place, page.encode())
     click.echo(f"report: {place} ({len(page.encode()) / 1e3:.0f} kB)")
 

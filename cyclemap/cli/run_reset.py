@@ -5,7 +5,7 @@ from typing import Any
 
 from cyclemap.cli.json_report import Json, actions_report, degrees
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.mechanics import load_material
@@ -40,7 +40,7 @@ def run_reset(
         design = design_reset(
             asked.loop, demands, sigma=sigma, materials=about, given=asked.strategy, seed=seed, progress=report
         )
-    stem, strategy = out / f"reset_{file_stem(asked.loop.material.name)}", design.chosen.strategy
+    stem, strategy = result_stem(out, "reset", asked.loop), design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen))
     write_schedule(schedule, design.loop, strategy, cycles, seed)

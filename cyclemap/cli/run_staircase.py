@@ -4,7 +4,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import staircase_report
 from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
 from cyclemap.evidence import measured_staircase
@@ -31,7 +31,7 @@ def run_staircase(
         forecast = staircase_forecast(
             loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=report
         )
-    stem = out / f"staircase_{file_stem(loop.material.name)}"
+    stem = result_stem(out, "staircase", loop)
     page = staircase_page.staircase_page(forecast, measured)
     picture = publish(staircase_report(forecast, measured), page, stem, picture_format, json_target)
     if picture is None:

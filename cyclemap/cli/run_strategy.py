@@ -7,7 +7,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.cli.json_report import Json, actions_report, degrees, direction_deg, measured_report, number, steps_report
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.cli.settings import ChosenCollection
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
@@ -63,7 +63,7 @@ def run_strategy_portrait(
         f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    picture = publish(told, figure, out / f"portrait_{file_stem(loop.material.name)}", picture_format, json_target)
+    picture = publish(told, figure, result_stem(out, "portrait", loop), picture_format, json_target)
     if picture is not None:
         PeopleConsole().tell(*words, f"picture: {picture}")
 
@@ -91,7 +91,7 @@ def run_strategy_staircase(
         f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {seed}) it {rests}; "
         f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on average.",
     )
-    page, stem = strategy_page(words, loop, strategy, theta, data), out / f"staircase_{file_stem(loop.material.name)}"
+    page, stem = strategy_page(words, loop, strategy, theta, data), result_stem(out, "staircase", loop)
     picture = publish(told, page, stem, picture_format, json_target)
     if picture is not None:
         PeopleConsole().tell(*words, f"picture: {picture}")

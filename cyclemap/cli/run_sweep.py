@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,10 @@ import click
 from cyclemap import sweeps
 from cyclemap.cli.json_report import Json, number, numbers
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem
 from cyclemap.cli.settings import set_settings, told_settings
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.setting_table import SETTINGS
 from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
@@ -28,6 +31,7 @@ from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentence
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2
 _LONGEST_NAME = 60
+_OBJECT_KEYS = {key for key, setting in SETTINGS.items() if setting.place in ("slider.outline", "slider.name")}
 
 
 def run_sweep(
@@ -43,7 +47,7 @@ def run_sweep(
     _words(draw, [one.name for one in plan.numbers.quantities if not one.many], "quantity to draw")
     # The material, or the first few letters of those that are swept.
     name = "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
-    stem = out / f"sweep_{file_stem(name)}"
+    stem = result_stem(out, "sweep", _object_loop(plan), name)
     store = stem.with_name(f"{stem.name}.sqlite")
     if status:
         now = sweeps.sweep_status(store, plan)
@@ -83,6 +87,14 @@ def _publish(
     console.tell(sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files))
     if keys > _MOST_DRAWN_KEYS:
         console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
+
+
+def _object_loop(plan: SweepPlan) -> CollectionLoop:
+    """The loop whose object the sweep is of: MIT's where objects are swept, or the first point makes none."""
+    settings = {key: value for key, value in plan.point(0).settings.items() if key in _OBJECT_KEYS}
+    with suppress(InvalidInput):
+        return CollectionLoop.mit() if set(plan.keys) & _OBJECT_KEYS else CollectionLoop.from_settings(settings)
+    return CollectionLoop.mit()
 
 
 def sweep_plan(

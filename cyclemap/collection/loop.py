@@ -236,15 +236,21 @@ class CollectionLoop:
         """
         from cyclemap.collection.collection_file import names_surface, read_settings
 
-        settings, _ = without_noise(read_settings(path))
+        settings = read_settings(path)
         material = load_material(surface or (path if names_surface(path) else "isotropic"))
         warn_of_defaults(settings)
         return cls.from_settings(settings, cls.mit(material))
 
     @classmethod
     def from_settings(cls, settings: dict[str, object], base: CollectionLoop | None = None) -> CollectionLoop:
-        """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line."""
-        return apply_settings(base or cls.mit(), settings)
+        """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line.
+
+        What files say of the noise of a cycle, `noise_deg`, is checked and left aside: a loop has none.
+
+        >>> CollectionLoop.from_settings({"push_mm": 80, "noise_deg": 2}).push.distance
+        0.08
+        """
+        return apply_settings(base or cls.mit(), without_noise(settings)[0])
 
     def _repr_html_(self) -> str:
         from cyclemap.collection.own_object import first_contact

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from cyclemap.collection.own_object import first_contact
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 # A stay longer than this is beyond any experiment: only its order of magnitude is told.
 LONGEST_STAY = 1e5
 MOST_PEAKS = 3
+# Of a material's errors so many letters are told; its file tells all of them.
+_MISFIT_LETTERS = 480
+# Decimals of a degree at most: no orientation is known better.
+_FINEST = 3
 
 
 def headline(portrait: Portrait) -> str:
@@ -80,12 +85,22 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
 
 def _ends(one: DirectionInterval) -> str:
     decimals, low, high = _decimals(one), one.lower, one.upper
-    return f"{angle(low, decimals)} to {angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals)}"
+    ends = angle(low, decimals), angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals)
+    return " to ".join(dict.fromkeys(ends))
 
 
 def _decimals(one: DirectionInterval) -> int:
     """So many that an interval has a few of its last digits."""
-    return 0 if one.upper - one.lower > math.radians(4.0) else 1
+    return interval_decimals(math.degrees(one.upper - one.lower))
+
+
+def interval_decimals(width: float) -> int:
+    """How many decimals tell the ends of an interval of a width apart, in its own unit, by four of the last at least.
+
+    >>> [interval_decimals(width) for width in (10.0, 1.0, 0.1, 0.0)]
+    [0, 1, 2, 3]
+    """
+    return next((decimals for decimals in range(_FINEST) if width * 10.0**decimals >= 4.0), _FINEST)
 
 
 def worn_rests(worn: StaircaseSummary) -> str:
@@ -179,11 +194,27 @@ def parameters_line(portrait: Portrait) -> str:
 
 def material_line(material: Material) -> str:
     """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
-    said = [f"{material.name} was inferred, not measured: {material.misfit}"] if material.inferred else []
-    said += [f"{material.name}: {material.misfit}"] if material.misfit and not material.inferred else []
+    misfit = _first_clauses(material.misfit, _MISFIT_LETTERS)
+    said = [f"{material.name} was inferred, not measured: {misfit}"] if material.inferred else []
+    said += [f"{material.name}: {misfit}"] if misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
     return "; ".join(said)
+
+
+def _first_clauses(text: str, letters: int) -> str:
+    """The first clauses of a text, and how many more there are; all of one that is short."""
+    if len(text) <= letters:
+        return text
+    clauses = text.split("; ")
+    kept = clauses[:1]
+    for clause in clauses[1:]:
+        if len("; ".join([*kept, clause])) > letters:
+            break
+        kept.append(clause)
+    shown, left = "; ".join(kept), len(clauses) - len(kept)
+    shown = shorten(shown, letters, placeholder=" ...") if len(shown) > letters else shown
+    return f"{shown}; {left} more in its file" if left else shown
 
 
 def push_line(portrait: Portrait) -> str:

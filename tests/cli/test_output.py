@@ -114,6 +114,14 @@ def test_a_table_wider_than_the_terminal_is_told_row_by_row() -> None:
     assert "┃" in told(100) and "number:" not in told(100)
 
 
+def test_words_of_a_wide_table_are_broken_and_numbers_never(monkeypatch, capsys) -> None:
+    table = output.people_table("Rows", ("what", "value"), [(" ".join(["words"] * 40), "-2.50")], words=(0,))
+    PeopleConsole().print_table(table)
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines())) <= 120
+    assert shown.count("words") == 40 and shown.count("-2.50") == 1
+
+
 def test_quiet_says_nothing_and_does_the_same(here, capsys) -> None:
     assert run(["fingerprint", "plywood", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")

@@ -96,7 +96,7 @@ def test_a_tees_lock_in_is_watched_and_a_reset_is_found(tee) -> None:
     rows, own = reports["reset"]["rows"], CollectionLoop.from_file(place / "tee.toml").push
     assert {(action["side"], action["fraction"]) for action in rows[0]["actions"]} == {(own.side, own.fraction)}
     assert rows[0]["tv"] < rows[-1]["tv"]
-    assert len(read_protocol(place / "out" / "reset_felt.toml")[1].actions) == len(rows[0]["actions"])
+    assert len(read_protocol(place / "out" / "reset_tee_on_felt.toml")[1].actions) == len(rows[0]["actions"])
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.mechanics import DragBack, Ellipse, PatchFootprint, PointFootprint, Polygon, Pusher, SidePush, Slider
 from cyclemap.mechanics.footprint import grid_footprint
@@ -186,3 +186,15 @@ def test_what_could_not_be_read_back_leaves_the_file_as_it_was(protocol_file) ->
     told = "3 support points are neither corners nor a grid"
     refused(write_protocol, path, replace(LOOP, footprint=odd), None, told=told)
     assert path.read_text() == "before" and list(path.parent.iterdir()) == [path]
+
+
+def test_settings_that_a_protocol_gives_make_its_loop_its_noise_among_them(tmp_path) -> None:
+    """In the digits that they were set in: 0.01378 m are no 13.780000000000001 mm."""
+    loop = CollectionLoop.from_settings({"hitch_x_mm": 13.78, "hitch_y_mm": 4.1, "push_mm": 13.78})
+    write_protocol(tmp_path / "it.toml", loop, None, noise=math.radians(2.0))
+    text, settings = (tmp_path / "it.toml").read_text(), read_protocol(tmp_path / "it.toml")[0]
+    assert text.count("= 13.78\n") == 2 and settings["noise_deg"] == pytest.approx(2.0)
+    found = CollectionLoop.from_settings(settings)
+    assert (found.slider.hitch, found.push) == (loop.slider.hitch, loop.push)
+    with pytest.raises(InvalidInput, match="noise_deg"):
+        CollectionLoop.from_settings({"noise_deg": -1.0})

@@ -10,6 +10,7 @@ from matplotlib.colors import to_rgb
 
 from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
+from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
 from cyclemap.maps import Estimate
@@ -129,3 +130,21 @@ def test_a_material_says_where_it_is_from_and_what_it_misses() -> None:
     assert "wears over 2000 cycles" in told
     assert "where isotropic friction misses" in sentences.material_line(load_material("plywood"))
     assert sentences.material_line(load_material("isotropic")) == ""
+
+
+def test_a_long_list_of_errors_is_told_in_its_first_clauses() -> None:
+    clauses = [f"session {number}, push place: 1.23 mm (isotropic 2.34)" for number in range(40)]
+    long = replace(load_material("isotropic"), misfit="; ".join(clauses), inferred=True)
+    told = sentences.material_line(long)
+    assert len(told) < 600 and told.startswith(f"isotropic was inferred, not measured: {clauses[0]}; {clauses[1]}")
+    assert told.endswith(f"; {40 - told.count('session')} more in its file")
+    endless = sentences.material_line(replace(long, misfit="word " * 400))
+    assert len(endless) < 600 and endless.endswith(" ...")
+
+
+@pytest.mark.parametrize(("width", "told"), [(0.5, "84.0° to 84.5°"), (0.03, "84.000° to 84.030°"), (0.0, "84.000°")])
+def test_the_ends_of_an_interval_are_told_apart(width, told) -> None:
+    ends = math.radians(84.0), math.radians(84.0 + width)
+    one = DirectionInterval(math.radians(84.01), *ends, share=1.0)
+    known = DirectionUncertainty("posterior", "first order", 20, 20, (one,))
+    assert told in sentences.uncertainty_sentence("felt", known)

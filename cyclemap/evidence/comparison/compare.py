@@ -58,12 +58,13 @@ LEVEL = 0.05
 _DEG = float(np.degrees(1.0))
 # Of each quantity its name for people, its unit, and the factor to that.
 _NAMES = {"dtheta": ("turn of a push", "°", _DEG), "dx": ("Δx", " mm", 1000.0), "dy": ("Δy", " mm", 1000.0)}
-# Of each number of a staircase its name, the factor to its unit, that unit, and how many decimals are told.
+# Of each number of a staircase its name, the factor to its unit, that unit, and how many decimals are told: the least,
+# and the most, where fewer leave its interval no width.
 _STAIRCASE = {
-    "turns": ("number of turns", 1.0, " turns", 1),
-    "steps": ("number of steps", 1.0, " steps", 0),
-    "step_height": ("step height", _DEG, "°", 0),
-    "residence": ("residence on a step", 1.0, " cycles", 0),
+    "turns": ("number of turns", 1.0, " turns", 1, 2),
+    "steps": ("number of steps", 1.0, " steps", 0, 0),
+    "step_height": ("step height", _DEG, "°", 0, 1),
+    "residence": ("residence on a step", 1.0, " cycles", 0, 1),
 }
 _KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slow zone"}
 
@@ -309,8 +310,14 @@ def _direction_verdict(found: DirectionMatch) -> Verdict:
     return Verdict(place, kept, words)
 
 
-def _quantity_verdict(name: str, scale: float, unit: str, digits: int, found: SimulatedQuantity) -> Verdict | None:
+def _quantity_verdict(
+    name: str, scale: float, unit: str, least: int, most: int, found: SimulatedQuantity
+) -> Verdict | None:
+    """The verdict on a number of the staircase; None where it is no question."""
     if found.measured is None and found.predicted is None:
+        return None
+    digits = _telling_digits(found, scale, least, most)
+    if digits is None:
         return None
     measured = "none" if found.measured is None else f"{_fixed(scale * found.measured, digits)}{unit}"
     if found.predicted is None or found.lower is None or found.upper is None:
@@ -320,6 +327,26 @@ def _quantity_verdict(name: str, scale: float, unit: str, digits: int, found: Si
     if found.p_value is None:
         return Verdict(name, None, f"The {name}: {measured} measured, {expected}.")
     return Verdict(name, _kept(found.p_value), f"The {name} {_told(found.p_value)}: {measured} measured, {expected}.")
+
+
+def _telling_digits(found: SimulatedQuantity, scale: float, least: int, most: int) -> int | None:
+    """How many decimals show that the interval has a width; None where none does and the data lie in it, to rounding.
+
+    All collections then have the number, the measured one among them, and nothing could be seen to fail.
+    """
+    if found.lower is None or found.upper is None or found.measured is None:
+        return least
+    values = [scale * value for value in (found.measured, found.lower, found.upper)]
+    for digits in range(least, most + 1):
+        measured, lower, upper = (_fixed(value, digits) for value in values)
+        if lower != upper and (measured not in (lower, upper) or found.lower <= found.measured <= found.upper):
+            return digits
+    measured, lower, upper = (round(value, most) for value in values)
+    # A number that is no count may lie on the other side of a rounding.
+    rounding = 1.5 * 10.0**-most if most else 0.0
+    if lower == upper and abs(measured - lower) <= rounding:
+        return None
+    return most
 
 
 def _kept(found: PValue) -> bool:

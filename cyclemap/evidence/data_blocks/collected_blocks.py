@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -91,6 +91,8 @@ _ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
 _FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+# Files of which the same is told are named one by one up to so many.
+_MOST_NAMED = 3
 
 
 def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[UnreadableFile]]:
@@ -134,6 +136,32 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
     return found, unused
 
 
+@dataclass(frozen=True)
+class FileNote:
+    """What is told of a file, or of a session: its name, and words."""
+
+    about: str
+    words: str
+
+
+def joined_notes(notes: Iterable[FileNote]) -> tuple[str, ...]:
+    """Return notes in words; of many files that are told the same the first is named, the others are counted.
+
+    >>> joined_notes([FileNote(f"scan{number}.h5", "1 friction scans") for number in range(144)])
+    ('scan0.h5 and 143 more like it: 1 friction scans',)
+    """
+    alike: dict[str, list[str]] = {}
+    for note in notes:
+        alike.setdefault(note.words, []).append(note.about)
+    told = list[str]()
+    for words, names in alike.items():
+        if len(names) <= _MOST_NAMED:
+            told += [f"{name}: {words}" for name in names]
+        else:
+            told.append(f"{names[0]} and {len(names) - 1} more like it: {words}")
+    return tuple(told)
+
+
 class BlockBuilder:
     """Blocks of data and notes on what they hold and what stays out, file by file and plate by plate.
 
@@ -159,7 +187,7 @@ class BlockBuilder:
         self.plates: list[str] = []
         self.sessions: list[str] = []
         self.tip_errors: dict[str, float] = {}
-        self.notes: list[str] = []
+        self.notes: list[FileNote] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
 
@@ -242,7 +270,8 @@ class BlockBuilder:
         for session in odd:
             off, others = 1e3 * self.tip_errors[session], 1e3 * usual
             told = f"the rod was {off:.2g} mm from where it was sent on average, {others:.2g} mm in others"
-            self.notes.append(f"{session}: an odd session, {told}: it does not count to the floor's mean")
+            words = f"an odd session, {told}: it does not count to the floor's mean"
+            self.notes.append(FileNote(session, words))
         return odd
 
     def _add_unreadable(self, pushes: PushTable) -> None:
@@ -253,7 +282,7 @@ class BlockBuilder:
             self._leave_out(Counter({reason: len(pushes.unreadable)}))
 
     def _note(self, words: str) -> None:
-        self.notes.append(f"{self.path}: {words}")
+        self.notes.append(FileNote(str(self.path), words))
 
     def _add(self, block: DataBlock, words: str) -> None:
         """Add a block of the session, and a note of what it holds."""
@@ -497,14 +526,14 @@ def collected_blocks(
     if len(shapes) > 1 and loop.slider.name not in MIT_SHAPE_NAMES:
         raise InvalidInput(f"the data are of several objects: {', '.join(sorted(shapes))}; select one")
     if not builder.blocks:
-        reasons = [*builder.notes, *(f"{file.path}: {file.reason}" for file in unused)]
+        reasons = joined_notes([*builder.notes, *(FileNote(str(file.path), file.reason) for file in unused)])
         listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
         facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
         if facts and not unused:
             raise InvalidInput(f"no such {facts}; {listed}")
         raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
     blocks = builder.named(population)
-    notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
+    notes = joined_notes([*builder.notes, *(FileNote(str(file.path), f"not used: {file.reason}") for file in unused)])
     scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
     return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)

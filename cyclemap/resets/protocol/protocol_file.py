@@ -77,7 +77,7 @@ def protocol_text(
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
     """Return the settings of a protocol file, in its units (for `CollectionLoop.from_settings`), and its strategy.
 
-    Settings are read by `read_settings`. Without a table [strategy] the strategy is None.
+    Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the strategy is None.
     Raises DataFileError, naming file, key and value, where the file is none of settings, or holds no strategy.
     """
     settings = read_settings(path)

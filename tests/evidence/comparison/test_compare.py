@@ -1,5 +1,6 @@
 """compare: every kind of prediction and data, the truth kept and a wrong law refused."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -174,3 +175,22 @@ def test_data_that_cannot_be_read_are_refused(tmp_path) -> None:
     (tmp_path / "bad.json").write_text("{")
     told = r"no push could be read, 1 files are bad; the first: .*bad\.json"
     refused(compare, SINE, tmp_path, noise=NOISE, told=told)
+
+
+def test_a_number_that_no_collection_has_otherwise_is_no_question() -> None:
+    """A loop that locks in climbs nothing, in the data as in the prediction; turns tell their interval's width."""
+    locked, noise = CircleMap.arnold(0.0, 0.9), WrappedNormal(0.02)
+    path = sample_staircase(locked, noise, 80, 2.0, seed=3).theta
+    found = compare(locked, pairs_of(path), noise=noise, runs=39)
+    asked = [one.question for one in found.verdicts]
+    assert found.staircase.quantities["steps"].predicted == 0.0 and "number of steps" not in asked
+    for verdict in found.verdicts:
+        ends = re.search(r"95 % of collections: (\S+) to (\S+)\)", verdict.words)
+        assert ends is None or ends[1] != ends[2], verdict.words
+
+
+def test_steps_that_a_prediction_denies_are_a_question() -> None:
+    locked, noise = CircleMap.arnold(0.0, 0.9), WrappedNormal(0.02)
+    found = compare(locked, sine_pairs(200, seed=3), noise=noise, runs=39)
+    verdicts = {one.question: one for one in found.verdicts}
+    assert verdicts["number of steps"].agrees is False and verdicts["number of turns"].agrees is False

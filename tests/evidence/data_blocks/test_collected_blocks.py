@@ -241,3 +241,10 @@ def test_a_material_to_start_from_is_where_every_search_begins() -> None:
     assert space["pusher_friction"].start == 0.3
     assert space["plate_dome"].nominal == space["plate_dome"].start == 0.0
     refused(starting_space, CollectionLoop.from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint")
+
+
+def test_files_that_tell_the_same_are_counted(tmp_path) -> None:
+    files = [write(tmp_path / f"ends{number}.csv", ENDS, [push_row(number)]) for number in range(5)]
+    found = collected_blocks(files, LOOP)
+    assert len(found.notes) < 5
+    assert any(note.startswith(f"{files[0]} and 4 more like it: ") for note in found.notes)
