@@ -338,8 +338,9 @@ def _telling_digits(found: SimulatedQuantity, scale: float, least: int, most: in
         return least
     values = [scale * value for value in (found.measured, found.lower, found.upper)]
     for digits in range(least, most + 1):
-        measured, lower, upper = (_fixed(value, digits) for value in values)
-        if lower != upper and (measured not in (lower, upper) or found.lower <= found.measured <= found.upper):
+        shown, least_shown, most_shown = (_fixed(value, digits) for value in values)
+        is_inside = found.lower <= found.measured <= found.upper
+        if least_shown != most_shown and (shown not in (least_shown, most_shown) or is_inside):
             return digits
     measured, lower, upper = (round(value, most) for value in values)
     # A number that is no count may lie on the other side of a rounding.
