@@ -11,7 +11,7 @@ from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import StaircaseSummary
-from cyclemap.mechanics import Material
+from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
@@ -184,18 +184,34 @@ def agreement_sentence(agreement: MapAgreement) -> str:
 
 
 def parameters_line(portrait: Portrait) -> str:
-    """The friction law, the rod and the ring, with units."""
+    """The friction law, shapes of floor and object, the rod and the ring, with units."""
     loop, law = portrait.loop, portrait.loop.material.friction
     ring_x, ring_y = (1000 * coordinate for coordinate in loop.slider.hitch)
     friction = f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ {angle(law.phi)}"
-    rod = f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:g}"
-    return f"{friction}  ·  {rod}  ·  ring at ({ring_x:.1f}, {ring_y:.1f}) mm"
+    if math.isclose(law.mu_a, law.mu_b, rel_tol=1e-5) and law.m0 == law.n0 == 0.0:
+        friction = f"friction {law.mu_a:.3g} all around"
+    parts = [friction]
+    if isinstance(loop.footprint, PressedFootprint):
+        shapes = {"floor": loop.footprint.floor, "plate": loop.footprint.plate}
+        parts += [f"{name} {shape_words(shape)}" for name, shape in shapes.items() if not shape.is_flat]
+    parts.append(f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:.3g}")
+    return "  ·  ".join([*parts, f"ring at ({ring_x:.1f}, {ring_y:.1f}) mm"])
+
+
+def shape_words(shape: SurfaceShape) -> str:
+    """Dome and bow, mean pressures at 50 mm, and the bow's axis.
+
+    >>> shape_words(SurfaceShape(8.2, 3.7, 1.5))
+    'dome 8.2, bow 3.7 along 86°'
+    """
+    return f"dome {shape.dome:.2g}, bow {shape.bow:.2g} along {angle(shape.axis, 0)}"
 
 
 def material_line(material: Material) -> str:
     """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
     misfit = _first_clauses(material.misfit, _MISFIT_LETTERS)
-    said = [f"{material.name} was inferred, not measured: {misfit}"] if material.inferred else []
+    how_far = f": {misfit}" if misfit else ""
+    said = [f"{material.name} was inferred, not measured{how_far}"] if material.inferred else []
     said += [f"{material.name}: {misfit}"] if misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
