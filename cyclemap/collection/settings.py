@@ -238,6 +238,7 @@ def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
 def plate_note(material: Material, slider: Slider) -> str:
     """Return a sentence on an object that the material does not know; empty where it does, or knows of no object.
 
+    >>> from cyclemap.mechanics import EllipseFriction
     >>> plate_note(Material("slate", EllipseFriction(0.2, 0.2), plates=(PlatePressure("hex"),)), Slider.mit("rect1"))
     'rect1 was never seen on slate: a flat plate is taken'
     """
