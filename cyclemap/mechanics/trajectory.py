@@ -63,8 +63,14 @@ class Course:
 
     @cached_property
     def rows(self) -> Array:
-        """What the engine wrote down (n, 15), columns of RECORD."""
-        return record(self.strokes, self.pose, self.longest)
+        """What the engine wrote down (n, 15), columns of RECORD.
+
+        Raises ConvergenceError where it cannot follow the motion in steps so short.
+        """
+        found = record(self.strokes, self.pose, self.longest)
+        if found.ndim == 0:
+            raise ConvergenceError("the motion's course cannot be followed: try another accuracy")
+        return found
 
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""
