@@ -90,7 +90,7 @@ class BiasMonitor:
     - against "visits" for every reset whose turns are exchangeable, so do not depend on where the object stood,
       whatever their law: independent uniform θ0, isotropic friction with any turn and any noise, final directions drawn
       at random. Half of this share looks at blocks of 48 pushes (``VisitEvidence``), half at arcs of the circle that
-      the first 48 pushes keep to (``ArcEvidence``): half a circle is told after 24 pushes in the median;
+      the first 48 pushes keep to (``ArcEvidence``): half a circle is told after 26 pushes in the median;
     - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°), comes back within
       ``half_width`` with chance ½ at most: independent uniform θ0, turns that scatter by 3.3° or more, and steady walks
       faster than 1.2° a push (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
