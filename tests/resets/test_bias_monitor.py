@@ -8,6 +8,7 @@ from refusals import refused
 
 from cyclemap.evidence import read_theta0_pairs
 from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, sample_staircases
+from cyclemap.resets.monitor.arc_evidence import ArcEvidence
 from cyclemap.resets.monitor.bias_evidence import RestEvidence, RestRule, VisitEvidence
 from cyclemap.resets.monitor.bias_monitor import BiasMonitor, watch
 
@@ -68,15 +69,17 @@ def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> 
 def test_the_monitor_joins_both_kinds_of_evidence_and_halves_the_rate_between_them() -> None:
     random = np.random.default_rng(8)
     path = random.vonmises(1.0, 3.0, 200).tolist()
-    rest, visits, monitor = RestEvidence(RestRule()), VisitEvidence(), BiasMonitor(0.05)
+    rest, visits, arcs, monitor = RestEvidence(RestRule()), VisitEvidence(), ArcEvidence(), BiasMonitor(0.05)
     raised = []
     for push, theta in enumerate(path):
         report = monitor.update(theta)
         rest.add(theta)
         visits.add(theta)
+        arcs.add(theta)
+        gathered = np.logaddexp(visits.log_evidence, arcs.log_evidence) - math.log(2.0)
         assert report.rest_evidence == rest.log_evidence / math.log(10.0)
-        assert report.visit_evidence == visits.log_evidence / math.log(10.0)
-        if max(rest.log_evidence, visits.log_evidence) >= math.log(2.0 / 0.05):
+        assert report.visit_evidence == gathered / math.log(10.0)
+        if max(rest.log_evidence, gathered) >= math.log(2.0 / 0.05):
             raised.append(push)
     assert raised
     assert report.threshold == pytest.approx(math.log10(40.0))

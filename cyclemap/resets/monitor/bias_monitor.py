@@ -7,8 +7,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
+from cyclemap.resets.monitor.arc_evidence import ArcEvidence
 from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
 from cyclemap.resets.monitor.coverage import Coverage, CoverageState
 
@@ -86,7 +89,8 @@ class BiasMonitor:
 
     - against "visits" for every reset whose turns are exchangeable, so do not depend on where the object stood,
       whatever their law: independent uniform θ0, isotropic friction with any turn and any noise, final directions drawn
-      at random;
+      at random. Half of this share looks at blocks of 48 pushes (``VisitEvidence``), half at arcs of the circle that
+      the first 48 pushes keep to (``ArcEvidence``): half a circle is told after 26 pushes in the median;
     - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°), comes back within
       ``half_width`` with chance ½ at most: independent uniform θ0, turns that scatter by 3.3° or more, and steady walks
       faster than 1.2° a push (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
@@ -95,7 +99,8 @@ class BiasMonitor:
     even in the long run, but its next hundred pushes repeat the last ones.
 
     The monitor changes as it is fed, for a collection has one course; each report is a value that stays. A push costs
-    some tenths of a millisecond, however many came before; the orientations are kept.
+    some tenths of a millisecond, however many came before, but for a dozen of the first 48, which take some hundredths
+    of a second where they may keep to an arc; the orientations are kept.
     The same orientations give the same reports, θ0 wrapped or not.
 
     >>> monitor = BiasMonitor()
@@ -138,15 +143,17 @@ class BiasMonitor:
         self._path.append(angle)
         self._rest.add(angle)
         self._visits.add(angle)
+        self._arcs.add(angle)
         self.coverage.add(angle)
         self._worth.append(self.coverage.effective_pushes)
         del self._worth[: -RECENT - 1]
         if self._alarm is None:
             threshold, push = math.log(2.0 / self.alarm_rate), len(self._path) - 1
-            rest = self._rest.rest if self._rest.log_evidence >= threshold else None
-            if rest is not None:
+            rest, highest = self._rest.rest, max(self._rest.log_evidence, self._log_visits)
+            # Whichever evidence raises the alarm, a rest that is under way says best what locks in.
+            if rest is not None and highest >= threshold:
                 self._alarm = Alarm(push, "rest", rest.towards, rest.began)
-            elif self._visits.log_evidence >= threshold:
+            elif self._log_visits >= threshold:
                 self._alarm = Alarm(push, "visits", (self._visits.peak(),), None)
         return self.report
 
@@ -159,8 +166,13 @@ class BiasMonitor:
         self._changed = len(self._path)
         self._rest = RestEvidence(_RULE, self._changed)
         # Another stream of shuffles for each reset: none is used twice.
-        self._visits = VisitEvidence(seed=self._changed)
+        self._visits, self._arcs = VisitEvidence(seed=self._changed), ArcEvidence(seed=self._changed)
         self._alarm = None
+
+    @property
+    def _log_visits(self) -> float:
+        """Natural logarithm of the evidence for "visits": the mean of what blocks and arcs tell."""
+        return float(np.logaddexp(self._visits.log_evidence, self._arcs.log_evidence)) - math.log(2.0)
 
     @property
     def report(self) -> BiasReport:
@@ -173,7 +185,7 @@ class BiasMonitor:
             push=len(self._path) - 1,
             alarm=self._alarm,
             rest_evidence=self._rest.log_evidence / math.log(10.0),
-            visit_evidence=self._visits.log_evidence / math.log(10.0),
+            visit_evidence=self._log_visits / math.log(10.0),
             threshold=math.log10(2.0 / self.alarm_rate),
             rest=rest,
             useful_pushes=None
