@@ -74,10 +74,6 @@ class Course:
 
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""
-        if self.rows.ndim == 0:
-            raise ConvergenceError(
-                "the course cannot be told step by step, though its end was found"
-            )
         of_first = RECORD.columns_of(self.rows).stroke == 0.0
         rows = self.rows[of_first & (self.strokes.length > 0.0) == of_push]
         told = RECORD.columns_of(rows)

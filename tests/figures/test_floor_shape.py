@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from cyclemap import CollectionLoop
+from cyclemap.evidence import read_theta0_pairs
 from cyclemap.figures import floor_shape
 from cyclemap.figures.catalogue import MeasuredFolder
 
@@ -32,3 +34,21 @@ def test_the_trough_explains_more_of_the_measured_turns_than_the_ellipse() -> No
         pytest.skip("no measured data: set CYCLEMAP_DATA")
     flat, ellipse, trough = floor_shape.compute(measured).floors
     assert np.degrees([flat.miss, ellipse.miss, trough.miss]).round(1).tolist() == [12.3, 17.5, 6.9]
+
+
+def test_shapes_identified_from_single_pushes_alone_tell_half_of_what_the_staircase_turns() -> None:
+    """plywood-floor knows of no cycle: pushes of 50 mm at 10 mm/s. Its slow directions are where θ0 was slow."""
+    path = MeasuredFolder.found().find("plywood_rect1_theta0_2000.csv")
+    if path is None:
+        pytest.skip("no measured data: set CYCLEMAP_DATA")
+    pairs = read_theta0_pairs(path)
+    turns, theta = pairs.theta_next[500:] - pairs.theta[500:], pairs.theta[500:] % (2.0 * np.pi)
+    bins = (theta // np.radians(10.0)).astype(int)
+    measured = np.degrees([np.median(turns[bins == index]) for index in range(36)])
+    middles = np.radians(np.arange(5.0, 360.0, 10.0))
+    predicted = np.degrees(CollectionLoop.mit("plywood-floor").circle_map(1e-5).turn(middles))
+    flat = np.degrees(CollectionLoop.mit("isotropic").circle_map(1e-5).turn(middles))
+    missed, missed_flat = np.sqrt(np.mean((np.stack([predicted, flat]) - measured) ** 2, axis=1))
+    assert missed < 0.55 * missed_flat
+    halves = np.stack([np.argmin(turn.reshape(2, 18), axis=1) for turn in (predicted, measured)])
+    assert np.abs(10.0 * (halves[0] - halves[1])).max() <= 25.0

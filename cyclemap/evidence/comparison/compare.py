@@ -342,10 +342,10 @@ def _telling_digits(found: SimulatedQuantity, scale: float, least: int, most: in
         is_inside = found.lower <= found.measured <= found.upper
         if least_shown != most_shown and (shown not in (least_shown, most_shown) or is_inside):
             return digits
-    shown, low, high = (round(value, most) for value in values)
+    measured, low, high = (round(value, most) for value in values)
     # A number that is no count may lie on the other side of a rounding.
     rounding = 1.5 * 10.0**-most if most else 0.0
-    if low == high and abs(shown - low) <= rounding:
+    if low == high and abs(measured - low) <= rounding:
         return None
     return most
 
