@@ -18,6 +18,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, TurnBins, turn_bins
 from cyclemap.mechanics import EllipseFriction, Pose, PressedFootprint, SurfaceShape, resting_pressure
 from cyclemap.views.style import (
+    FORCE,
     INK,
     MEASURED,
     MEASURED_EDGE,
@@ -33,6 +34,8 @@ from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_theta0
 
 SURFACE = "plywood"
+# The same board with the shapes of floor and plate identified from single pushes; no cycle was among them.
+FROM_PUSHES = "plywood-floor"
 # The plywood board as single pushes see it: a stiff trough along the robot's x axis, q = 20 y^2, in mean pressures.
 TROUGH = SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2)
 # Measured pushes that are taken: the board still changes before them.
@@ -88,6 +91,7 @@ def compute(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
         "friction alike all around, flat floor": even,
         "ellipse of friction (Table I), flat floor": plywood,
         "friction alike all around, floor a trough": replace(even, footprint=footprint),
+        "shapes identified from single pushes alone": CollectionLoop.mit(FROM_PUSHES, accuracy=_ACCURACY),
     }
     pairs = measured_theta0(measured, SURFACE)
     bins = None
@@ -141,6 +145,7 @@ _LOOKS: tuple[dict[str, Any], ...] = (
     {"color": QUIET, "linestyle": ":", "linewidth": 1.6},
     {"color": INK, "linestyle": "--", "linewidth": 1.5},
     {"color": PREDICTED, "linestyle": "-", "linewidth": 2.2},
+    {"color": FORCE, "linestyle": "-.", "linewidth": 1.8},
 )
 
 
@@ -164,16 +169,16 @@ def _draw_turns(axes: Axes, result: FloorShapes) -> None:
 
 def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
     orders = range(1, 5)
-    width = 0.26
+    width = 0.24
     for place, (floor, look) in enumerate(zip(result.floors[1:], _LOOKS[1:], strict=True)):
         heights = [math.degrees(floor.harmonic(order)) for order in orders]
         axes.bar(
-            np.add(orders, (place - 0.5) * width), heights, width, color=look["color"], edgecolor=INK, linewidth=0.6
+            np.add(orders, (place - 1.0) * width), heights, width, color=look["color"], edgecolor=INK, linewidth=0.6
         )
     axes.set_xticks(orders)
     axes.set_xlabel("harmonic of θ0")
     axes.set_ylabel("amplitude of the turn (°)")
-    axes.set_title("Ellipse (dark), trough (blue)")
+    axes.set_title("Ellipse, trough, from pushes")
 
 
 def _draw_resting(axes: Axes, result: FloorShapes, place: int, angle: float) -> AxesImage:
@@ -197,7 +202,7 @@ def _draw_resting(axes: Axes, result: FloorShapes, place: int, angle: float) -> 
 
 def caption(result: FloorShapes) -> str:
     """What is drawn, and how much of the measured turns each floor explains."""
-    flat, ellipse, trough = result.floors
+    flat, ellipse, trough, pushes = result.floors
     mean = [math.degrees(float(np.mean(floor.turn))) for floor in result.floors]
     low, high = np.degrees([trough.turn.min(), trough.turn.max()])
     told = [
@@ -207,14 +212,17 @@ def caption(result: FloorShapes) -> str:
         "the floor's shape with friction alike in all directions and nothing fitted to any cycle: on a trough along "
         "the robot's x axis (q = 20 y² mean pressures at 50 mm, as single pushes of other plates found it) turns go "
         f"from {low:.1f}° to {high:.1f}°, a second harmonic of {math.degrees(trough.harmonic(2)):.1f}°, and the same "
-        "half a turn further: a floor's shape alone makes no first harmonic. Below: where the square then rests.",
+        "half a turn further: a floor's shape alone makes no first harmonic. Of the same kind are the shapes of floor "
+        f"and plate that are identified from single pushes ({FROM_PUSHES}). Below: where the square rests on the "
+        "trough.",
     ]
     if result.measured is None:
         told.append(f"{NO_DATA.capitalize()} of plywood.")
     else:
         told.append(
             f"Measured: medians over 10° of pushes {FIRST_CYCLE} to 2000. They lie {math.degrees(flat.miss):.1f}° "
-            f"(root mean square) from the rotation, {math.degrees(ellipse.miss):.1f}° from Table I's map, and "
-            f"{math.degrees(trough.miss):.1f}° from the trough's."
+            f"(root mean square) from the rotation, {math.degrees(ellipse.miss):.1f}° from Table I's map, "
+            f"{math.degrees(trough.miss):.1f}° from the trough's and {math.degrees(pushes.miss):.1f}° from that of "
+            "the shapes found in pushes."
         )
     return " ".join(told)
