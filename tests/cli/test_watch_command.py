@@ -11,6 +11,7 @@ import pytest
 
 from cyclemap.cli import run_watch as module
 from cyclemap.cli.main import run
+from cyclemap.cli.options import TableOptions
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
@@ -131,7 +132,7 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
     grown(monkeypatch, fail)
     results = {"out": here / "out", "picture_format": "png", "json_target": "-"}
     with pytest.raises(type(failure)):
-        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, None, None, **results)
+        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, TableOptions(), **results)
     if code is not None:
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code

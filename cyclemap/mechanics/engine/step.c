@@ -222,7 +222,15 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     int is_poor = is_middle && !(correction <= UNSOLVED_MIDDLE);
     if ((m->watched < 0 && is_kinked(r, m, row)) || is_poor) {
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
-        if (evaluate(r, m, row, row, report) < 0) return UNSOLVED;
+        if (evaluate(r, m, row, row, report) < 0) {
+            /* polar unknowns may not serve in the middle of a step: plain ones do */
+            if (m->watched < 0) return UNSOLVED;
+            Motion plain = *m;
+            double plain_row[ROW];
+            memcpy(plain_row, row, sizeof plain_row);
+            unwatch(r, &plain, plain_row);
+            return rates_vary(r, &plain, plain_row, is_middle, by);
+        }
         slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
     }
     if (m->rests || (m->watched < 0 && is_kinked(r, m, row))) {
