@@ -174,7 +174,7 @@ class PeopleConsole(Console):
         if needed > _WIDE:
             # Words can be broken, numbers cannot.
             for column in table.columns:
-                if column.justify == "left":
+                if column.justify == "left" and not column.no_wrap:
                     column.max_width = min(column.max_width or _WORDS, _WORDS)
             needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:

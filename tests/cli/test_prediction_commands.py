@@ -10,6 +10,8 @@ RUN_KEYS = {"seed", "cycles", "climb_deg", "steps", "heights_deg", "dwells"}
 GHOST = ["staircase", "plywood", "--set", "hitch_x_mm=-6.9", "--set", "hitch_y_mm=6.9"]
 FIVE = ("turn_deg", "offset_amplitude_deg", "offset_phase_deg", "ellipse_amplitude_deg", "ellipse_phase_deg")
 
+BOW = ("bow_amplitude_deg", "bow_phase_deg", "bow_remainder_deg")
+
 
 @pytest.mark.slow
 def test_json_tells_prediction_run_and_data_and_nothing_else(here, saved_report, theta0_file, sine_path) -> None:
@@ -21,7 +23,7 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(here, saved_report,
     assert report["prediction"]["step_deg"] == pytest.approx(360.0)
     assert set(report["run"]) == RUN_KEYS and report["run"]["cycles"] == 1_500
     assert len(report["run"]["heights_deg"]) == report["run"]["steps"] == len(report["run"]["dwells"]) - 1
-    assert set(report["data"]) == RUN_KEYS - {"seed"} | {"fitted", "comparison"}
+    assert set(report["data"]) == RUN_KEYS - {"seed"} | {"fitted", "comparison", "problem"}
     assert report["data"]["fitted"]["noise_deg"] == pytest.approx(math.degrees(0.03), rel=0.1)
 
 
@@ -46,7 +48,7 @@ def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full
 @pytest.mark.slow
 def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(here, report_of) -> None:
     plain = report_of("fingerprint")
-    assert set(plain) == {*FIVE, "push", "drag", "remainder_per_rad"}
+    assert set(plain) == {*FIVE, *BOW, "push", "drag", "remainder_per_rad"}
     changes = ("--set", "push_mm=50", "--set", "mu_a=.26", "--set", "mu_b=.24", "--format", "svg")
     changed = report_of("fingerprint", *changes)
     assert changed["turn_deg"] == pytest.approx(-1.5527, abs=1e-3) != plain["turn_deg"]
