@@ -171,11 +171,11 @@ class PeopleConsole(Console):
         """
         before, room = self.width, self.options.update(width=_WIDEST)
         needed = Measurement.get(self, room, table).maximum
-        if needed > _WIDE:
+        if needed > _WIDE and table.show_header:
             # Words can be broken, numbers cannot.
             for column in table.columns:
                 if column.justify == "left" and not column.no_wrap:
-                    column.max_width = min(column.max_width or _WORDS, _WORDS)
+                    column.max_width, column.overflow = min(column.max_width or _WORDS, _WORDS), "fold"
             needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:
             if table.title:

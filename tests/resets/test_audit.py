@@ -15,8 +15,9 @@ def table(tmp_path, theta_deg, turn_deg=None):
     if turn_deg is None:
         path.write_text("theta0_deg\n" + "".join(f"{x}\n" for x in theta_deg))
         return path
+    ends = (0.04 - 0.07j) * np.exp(1j * np.radians(np.asarray(theta_deg)))
     rows = [
-        f"0,0,{np.radians(a)},0.04,-0.07,{np.radians(a + b)},{n}"
+        f"0,0,{np.radians(a)},{ends[n].real},{ends[n].imag},{np.radians(a + b)},{n}"
         for n, (a, b) in enumerate(zip(theta_deg, turn_deg, strict=True))
     ]
     path.write_text("x0,y0,th0,x1,y1,th1,rep\n" + "\n".join(rows) + "\n")
