@@ -81,13 +81,16 @@ def fitted(
     shapes: Sequence[PlatePressure] = (),
     begin: Material | None = None,
 ) -> Floor:
-    """Fit a floor as `cyclemap identify` does; known: as of `--floor`, shapes: as of `--plate`."""
+    """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse gains nothing.
+
+    known : as of `--floor`. shapes : as of `--plate`. begin : at whose shapes the search begins.
+    """
     data = [folder() / name for speed in speeds for name in PUSHES[speed]] + ([folder() / DRAGS] if drags else [])
     loop = CollectionLoop.mit("isotropic")
     chosen: dict[str, str | float] = {"surface": floor} | ({"object": plates[0]} if len(plates) == 1 else {})
     collected = collected_blocks(data, loop, chosen, most=most, population=known is not None, target=TARGET)
     blocks = [one for one in collected.blocks if of_plates(one.name, plates)]
-    free = telling_parameters(blocks, known is not None)
+    free = telling_parameters(blocks, of_known_floor=True)
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
     free = tuple(name for name in free if name not in fixed)
     beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])

@@ -542,22 +542,20 @@ def collected_blocks(
 def telling_parameters(blocks: Sequence[DataBlock], of_known_floor: bool = False) -> tuple[str, ...]:
     """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
 
-    Shapes of floor and plates, the rod, how each data set's frame is shifted, friction in the ring with drags or
-    cycles, how the surface wears; of four sessions and more, how the floor's shape varies with the place; of fewer,
-    the friction ellipse as far as motions tell it, which on many plates explains nothing that shapes and places do not.
-    Of a known floor the ellipse is known; scans and cycles tell all of it, always.
+    The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates, the rod, how each
+    data set's frame is shifted, friction in the ring with drags or cycles, how the surface wears; of four sessions and
+    more, how the floor's shape varies with the place. Single pushes and drags on a known floor take its ellipse.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
     of_ellipse = {name for block in blocks if block.curve or block.motions is None for name in block.parameters}
-    several = len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD
-    by_motions = () if several or of_known_floor else SURFACE.names[1:5]
-    free = [name for name in SURFACE.names[:5] if name in of_ellipse or (name in by_motions and name in asked)]
+    by_motions = set() if of_known_floor else asked & {*SURFACE.names[1:5]}
+    free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
     free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
-    if several:
+    if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
         free += [name for name in FIELD_NAMES if name in asked]
     return (*free, *sorted(name for name in asked if name.startswith("worn_")))

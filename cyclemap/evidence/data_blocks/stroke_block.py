@@ -101,7 +101,8 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
 
     def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> Rows:
         surface = SurfaceParameters.from_values(values)
-        model, courses, places = surface_model(surface, slider, field=floor_field(values)), [], []
+        model = surface_model(surface, slider, field=floor_field(values))
+        courses, places = [], []
         x0, y0 = target or (0.0, 0.0)
         for drag in strokes:
             begin = Pose(drag.start.x - x0, drag.start.y - y0, drag.start.theta)
@@ -212,21 +213,20 @@ def predicted_push_ends(
     begins = [Pose(x, y, angle) for (x, y), (_, angle) in zip(places, both, strict=True)]
     courses = [model.course(one, begin) for (one, _), begin in zip(both, begins, strict=True)]
     ran = run_strokes(courses, len(PARAMETERS), _FAILING)
-    moved, done = np.column_stack([model.unit * ran.pushed[:, :2] + origin, ran.pushed[:, 2]]), ran.status > 0
+    done = ran.status > 0
+    moved = np.column_stack([model.unit * ran.pushed[:, :2] + origin, ran.pushed[:, 2]])
     ends[touched[done]] = moved[done]
-    found = (
-        np.where(done[:, None, None], ran.derivatives[:, :3], 0.0) * np.array((model.unit, model.unit, 1.0))[:, None]
-    )
-    by[touched, :, : len(names)] = _by_names(model, names, found)
+    units = np.array((model.unit, model.unit, 1.0))
+    slopes = np.where(done[:, None, None], ran.derivatives[:, :3], 0.0) * units[:, None]
+    by[touched, :, : len(names)] = _by_names(model, names, slopes)
     if heights:
         # A quarter of the way ahead, as the engine takes it.
-        along = (
-            0.25 * model.unit * way[touched, None] * np.column_stack([np.cos(direction), np.sin(direction)])[touched]
-        )
+        ahead = 0.25 * model.unit * way[touched, None]
+        along = ahead * np.column_stack([np.cos(direction), np.sin(direction)])[touched]
         middles = [begin.to_world(*model.slider.outline.centroid) for begin in begins]
-        by[touched, :, len(names) : -2] = _by_field(_by_names(model, FLOOR_NAMES, found), middles + along)
+        by[touched, :, len(names) : -2] = _by_field(_by_names(model, FLOOR_NAMES, slopes), middles + along)
     starting = np.array([_by_shift(model, *one) for one in both])
-    by[touched, :, -2:] = found[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
+    by[touched, :, -2:] = slopes[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
     return ends, by
 
 
