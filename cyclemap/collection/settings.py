@@ -21,7 +21,7 @@ from cyclemap.mechanics import (
     Slider,
     parse_footprint,
 )
-from cyclemap.mechanics.foundation import FLAT
+from cyclemap.mechanics.foundation import FLAT, FloorField, SurfaceShape
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.material_text import built_in_plates
 from cyclemap.mechanics.outline import Outline
@@ -112,10 +112,7 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
     if same and isinstance(found, PressedFootprint):
         # Shapes are the surface's and the object's pressures: a heavier object has less of them in mean pressures.
         lighter = mean_pressure(loop.slider) / mean_pressure(slider)
-        centre = slider.centre_of_mass
-        plate, floor = found.plate.scaled(lighter), found.floor.scaled(lighter)
-        field = None if found.field is None else found.field.scaled(lighter)
-        found = PressedFootprint(slider.outline, plate, floor, centre, field)
+        found = pressed_footprint(slider, found.plate, found.floor, found.field, lighter)
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
@@ -144,6 +141,14 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
 def mean_pressure(slider: Slider) -> float:
     """Return an object's weight over the area of its outline, kPa."""
     return 1e-3 * slider.weight / slider.outline.area
+
+
+def pressed_footprint(
+    slider: Slider, plate: SurfaceShape, floor: SurfaceShape, field: FloorField | None, factor: float
+) -> PressedFootprint:
+    """Return how an object rests on shapes; factor : from the unit that they are told in to its own mean pressures."""
+    varying = None if field is None else field.scaled(factor)
+    return PressedFootprint(slider.outline, plate.scaled(factor), floor.scaled(factor), slider.centre_of_mass, varying)
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
@@ -220,11 +225,8 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
     """
     known = known_plate(material, slider)
     shape = FLAT if known is None else known.shape
-    if not (shape.is_flat and material.floor.is_flat and material.field is None):
-        per_mean = 1.0 / mean_pressure(slider)
-        plate, floor = shape.scaled(per_mean), material.floor.scaled(per_mean)
-        field = None if material.field is None else material.field.scaled(per_mean)
-        return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, field)
+    if not (shape.is_flat and material.has_flat_floor):
+        return pressed_footprint(slider, shape, material.floor, material.field, 1.0 / mean_pressure(slider))
     if known is None:
         return None
     return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
@@ -232,7 +234,7 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
 
 def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
     """Return what is known of an object's plate: by the material, else, where its floor has a shape, built in."""
-    built_in = () if material.floor.is_flat and material.field is None else built_in_plates()
+    built_in = () if material.has_flat_floor else built_in_plates()
     named = next((plate for plate in (*material.plates, *built_in) if plate.plate == slider.name), None)
     return material.pressure_of(ANY_PLATE) if named is None else named
 
@@ -245,8 +247,8 @@ def plate_note(material: Material, slider: Slider) -> str:
     >>> plate_note(slate, Slider.mit("rect1"))
     'rect1 was never seen on slate: a flat plate is taken'
     """
-    knows = material.plates or not material.floor.is_flat or material.field is not None
-    if material.pressure_of(slider.name) is not None or not knows:
+    knows_shapes = material.plates or not material.has_flat_floor
+    if material.pressure_of(slider.name) is not None or not knows_shapes:
         return ""
     known = known_plate(material, slider)
     taken = "a flat plate is taken" if known is None else "its built-in shape, found on other floors, is taken"

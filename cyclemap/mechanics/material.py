@@ -318,7 +318,7 @@ class Material:
             raise InvalidInput(f"session spread {spread.tolist()}: deviations must not be negative")
         object.__setattr__(self, "session_spread", tuple(spread.tolist()))
         worn = FLAT if self.wear is None or self.wear.floor is None else self.wear.floor
-        if not (self.floor.is_flat and worn.is_flat):
+        if not (self.has_flat_floor and worn.is_flat):
             shared = [plate.plate for plate in self.plates if any(plate.shares.values())]
             if shared:
                 raise InvalidInput(
@@ -434,6 +434,11 @@ class Material:
         if self.wear is None:
             return self.friction
         return worn_friction(self.friction, self.wear.friction, self.wear.share(cycles))
+
+    @property
+    def has_flat_floor(self) -> bool:
+        """Whether the fresh floor has no shape, here or elsewhere."""
+        return self.floor.is_flat and self.field is None
 
     def floor_after(self, cycles: float) -> SurfaceShape:
         """Return the floor's shape after a number of cycles, kPa at 50 mm."""

@@ -17,7 +17,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import mean_pressure, with_material
+from cyclemap.collection.settings import mean_pressure, pressed_footprint, with_material
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -279,10 +279,7 @@ class SurfaceParameters:
     def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
         """Return how an object rests on the surface, in its own mean pressures; field : of the floor, kPa."""
         floor, plate = (owned_shapes(self.values(), names)[""] for names in (FLOOR_NAMES, PLATE_NAMES))
-        per_mean = 1.0 / mean_pressure(slider)
-        varying = None if field is None else field.scaled(per_mean)
-        shapes = plate.scaled(per_mean), floor.scaled(per_mean)
-        return PressedFootprint(slider.outline, *shapes, slider.centre_of_mass, varying)
+        return pressed_footprint(slider, plate, floor, field, 1.0 / mean_pressure(slider))
 
     def chain(self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names) -> Array:
         """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).
