@@ -112,13 +112,9 @@ class QuasiStaticModel:
     @cached_property
     def _still(self) -> Strokes:
         """What all strokes of the model share."""
-        law, unit, scale, (x, y), hitch = (
-            self.friction,
-            self.unit,
-            self.scale,
-            self.pressure.centre,
-            self.slider.hitch,
-        )
+        law, unit, scale = self.friction, self.unit, self.scale
+        x, y = self.pressure.centre
+        hitch_x, hitch_y = self.slider.hitch
         return Strokes(
             pressure_tables(self.pressure),
             (
@@ -132,7 +128,7 @@ class QuasiStaticModel:
             ),
             self.radius,
             _STEP_SHARE * self.accuracy,
-            piece_table(self.curve, (hitch[0] / unit, hitch[1] / unit)),
+            piece_table(self.curve, (hitch_x / unit, hitch_y / unit)),
             rod_friction=self.pusher.friction,
         )
 

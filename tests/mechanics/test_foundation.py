@@ -140,8 +140,8 @@ def test_load_and_friction_of_a_band_on_a_square_are_those_of_a_quadrature():
 
 
 def contact_integrals(footprint, theta):
-    """Load and moments of the pressure in extents, off the centroid, by sums of the engine's own
-    Hessian: from far away D = |v| load, and its torque is the moment.
+    """Load and moments of the pressure in extents, off the centroid, by the engine's own sums: of
+    an object that does not turn D = |v| load, and the torques are the moments.
     """
     x, y = np.array(footprint.outline.centroid) / footprint.extent
     twists = np.array(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))

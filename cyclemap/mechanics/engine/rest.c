@@ -138,14 +138,11 @@ static void wrench_varies(const Motion *m, const Watched *w, const Polar *p, con
     double turning[WRENCH];
     own_wrench(w, p->turning, turning);
     for (int j = 0; j < n; ++j) {
-        double v[TWIST_SIZE], x, y, spin;
+        double v[TWIST_SIZE];
         twist_of(w->begun.frame, p->by[j], v);
-        x = v[VX];
-        y = v[VY];
-        spin = v[OMEGA];
-        by[j][FORCE_X] = others[XX] * x + others[XY] * y + others[XW] * spin;
-        by[j][FORCE_Y] = others[XY] * x + others[YY] * y + others[YW] * spin;
-        by[j][TORQUE] = others[XW] * x + others[YW] * y + others[WW] * spin;
+        by[j][FORCE_X] = others[XX] * v[VX] + others[XY] * v[VY] + others[XW] * v[OMEGA];
+        by[j][FORCE_Y] = others[XY] * v[VX] + others[YY] * v[VY] + others[YW] * v[OMEGA];
+        by[j][TORQUE] = others[XW] * v[VX] + others[YW] * v[VY] + others[WW] * v[OMEGA];
     }
     add(by[n - 1], turning, 1.0, WRENCH);
 }

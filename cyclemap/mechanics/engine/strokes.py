@@ -235,11 +235,9 @@ def friction_values(
     """Return D, then FRICTION, (n, 10), at twists (n, 3) of an object that has turned by theta;
     `matrix`: M by columns.
     """
-    packed, given, twists = (
-        np.array(_addressed(pressure)),
-        np.array(matrix),
-        np.ascontiguousarray(twists),
-    )
+    packed = np.array(_addressed(pressure))
+    given = np.array(matrix)
+    twists = np.ascontiguousarray(twists)
     values = np.empty((len(twists), 1 + FRICTION.size))
     load().cm_friction(
         packed.ctypes.data,
