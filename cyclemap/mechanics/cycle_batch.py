@@ -105,8 +105,12 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     )
 
 
-def _start_varies(c: Array, s: Array, ring: Array, unit: Array, derivatives: int) -> Array:
-    """Derivatives (n, 3, k) of poses, extents, at which pushes start, the ring at the origin."""
+def _start_varies(c: Array, s: Array, ring: Array, unit: Array | float, derivatives: int) -> Array:
+    """Derivatives (n, 3, k) of poses, extents, at which pushes start, the ring at the origin.
+
+    c, s : cosines and sines of the orientations. ring : (n, 2), its lever in the world's axes, m.
+    unit : extents, m.
+    """
     varied = np.zeros((len(ring), 3, derivatives))
     x, y, theta = np.moveaxis(varied, 1, 0)
     ring_x, ring_y = ring.T
@@ -176,10 +180,9 @@ class CycleSlopes:
             poses, varied = np.outer(new, (0.0, 0.0, 1.0)), np.zeros((new.size, 3, 1))
             varied[:, 2] = 1.0
             if self._has_place:
-                _, before = _turned(new, self._lever)
+                (c, s), before = _turned(new, self._lever)
                 poses[:, :2] = -before / self._unit
-                varied[:, 0, 0] = before[:, 1] / self._unit
-                varied[:, 1, 0] = -before[:, 0] / self._unit
+                varied = _start_varies(c, s, before, self._unit, 1)
             ran = engine.run([self._push], np.zeros(new.size, int), poses, varied)
             _check(ran, [self._push], new)
             slopes = OUTPUT.columns_of(ran.derivatives).pushed[..., 0]
@@ -229,10 +232,8 @@ def _check(
     if failed.size:
         index = int(failed[0])
         loop = 0 if number is None else int(number[index])
-        error, which = (
-            refusal(int(ran.status[index]), strokes[loop]),
-            f"loop {loop} from " if len(strokes) > 1 else "",
-        )
+        error = refusal(int(ran.status[index]), strokes[loop])
+        which = f"loop {loop} from " if len(strokes) > 1 else ""
         raise type(error)(f"{which}theta = {float(theta[index])!r} rad: {error}")
 
 

@@ -112,13 +112,9 @@ class QuasiStaticModel:
     @cached_property
     def _still(self) -> Strokes:
         """What all strokes of the model share."""
-        law, unit, scale, (x, y), hitch = (
-            self.friction,
-            self.unit,
-            self.scale,
-            self.pressure.centre,
-            self.slider.hitch,
-        )
+        law, unit, scale = self.friction, self.unit, self.scale
+        x, y = self.pressure.centre
+        hitch_x, hitch_y = self.slider.hitch
         return Strokes(
             pressure_tables(self.pressure),
             (
@@ -132,7 +128,7 @@ class QuasiStaticModel:
             ),
             self.radius,
             _STEP_SHARE * self.accuracy,
-            piece_table(self.curve, (hitch[0] / unit, hitch[1] / unit)),
+            piece_table(self.curve, (hitch_x / unit, hitch_y / unit)),
             rod_friction=self.pusher.friction,
         )
 
@@ -286,8 +282,10 @@ class QuasiStaticModel:
 
 
 def run_strokes(courses: Sequence[Course], derivatives: int = 0, failing: float = 0.0) -> Ran:
-    """Run what courses tell of from where they start, which no parameter moves; raises as the first
-    that fails where more than a share `failing` does, else those are nan.
+    """Run what n courses tell of from where they start, which no parameter moves.
+
+    derivatives : how many of PARAMETERS to differentiate by. failing : share of the courses that
+        may fail, whose results are nan. Raises as the first that fails where more do.
     """
     poses = np.array([course.pose for course in courses])
     still = np.zeros((len(courses), 3, derivatives))

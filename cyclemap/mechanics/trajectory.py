@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.schema import KINDS, MODES, PIECE, RECORD
 from cyclemap.mechanics.engine.strokes import Strokes, record
 from cyclemap.mechanics.slider import Pose
@@ -67,10 +67,7 @@ class Course:
 
         Raises ConvergenceError where it cannot follow the motion in steps so short.
         """
-        found = record(self.strokes, self.pose, self.longest)
-        if found.ndim == 0:
-            raise ConvergenceError("the motion's course cannot be followed: try another accuracy")
-        return found
+        return record(self.strokes, self.pose, self.longest)
 
     def trajectory(self, of_push: bool) -> Trajectory:
         """Return the course of the push, or of all legs of the drag."""

@@ -12,6 +12,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import (
     Ellipse,
     EllipseFriction,
+    FloorField,
     LimitSurface,
     PatchFootprint,
     Polygon,
@@ -22,7 +23,7 @@ from cyclemap.mechanics import (
     grid_footprint,
     resting_pressure,
 )
-from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, run_batch
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleSlopes, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
 from cyclemap.mechanics.footprint import pressure_points
@@ -140,8 +141,8 @@ def test_load_and_friction_of_a_band_on_a_square_are_those_of_a_quadrature():
 
 
 def contact_integrals(footprint, theta):
-    """Load and moments of the pressure in extents, off the centroid, by sums of the engine's own
-    Hessian: from far away D = |v| load, and its torque is the moment.
+    """Load and moments of the pressure in extents, off the centroid, by the engine's own sums: of
+    an object that does not turn D = |v| load, and the torques are the moments.
     """
     x, y = np.array(footprint.outline.centroid) / footprint.extent
     twists = np.array(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
@@ -355,6 +356,20 @@ def outputs(ran):
         "theta_next": ran.theta_next[0, 0],
     }
     return np.array([found[name] for name in CYCLE_OUTPUTS])
+
+
+def test_on_a_floor_that_varies_with_the_place_slopes_know_where_pushes_begin():
+    """Those of pushes and drags taken apart are those of whole cycles, to the bit, and their differences."""
+    rows = ((0.4, -0.3, 0.1, 0.2, 0.1), (0.5, 0.2, -0.1, 0.1, 0.2), (-0.2, 0.3, 0.1, 0.1, 0.0))
+    footprint = PressedFootprint(SQUARE, floor=TROUGH, field=FloorField(rows, reach=0.15))
+    loop = replace(LOOP, footprint=footprint, accuracy=1e-9)
+    theta, apart = np.linspace(-3.0, 3.0, 4), 1e-4
+    values, slopes = CycleSlopes(loop)(theta)
+    whole = run_batch((loop,), theta[None], 1)
+    np.testing.assert_array_equal(values, whole.theta_next[0])
+    np.testing.assert_array_equal(slopes, whole.jacobian[0, :, -1, 0])
+    ends = [run_batch((loop,), theta[None] + sign * apart).theta_next[0] for sign in (1.0, -1.0)]
+    np.testing.assert_allclose(slopes, (ends[0] - ends[1]) / (2.0 * apart), rtol=0.0, atol=1e-4)
 
 
 def test_derivatives_by_shapes_that_a_footprint_does_not_have_are_nan():

@@ -131,6 +131,18 @@ def test_slopes_of_cycles_on_points_are_their_differences():
     np.testing.assert_allclose(slopes, (sides[1] - sides[0]) / (2.0 * apart), atol=2e-5)
 
 
+def test_slopes_go_on_where_a_watched_corner_is_lost_in_the_middle_of_a_step():
+    """A drag whose ring rubs: of the corner's unknowns there the plain ones have to serve (each angle met one)."""
+    loop = cm.CollectionLoop.mit("pu", accuracy=1e-5)
+    slider = replace(loop.slider, hitch=(-0.025, 0.005))
+    footprint = PatchFootprint(slider.outline, corner_share=0.4)
+    loop = replace(loop, slider=slider, footprint=footprint, reset=DragBack(pin_friction_radius=0.002))
+    theta, apart = np.array((-2.168, -2.164, -1.414, -1.412, -1.408, 1.502)), 1e-5
+    slopes, fine = CycleSlopes(loop)(theta)[1], replace(loop, accuracy=1e-10)
+    sides = [fine.cycles(theta + sign * apart).theta_next for sign in (-1.0, 1.0)]
+    np.testing.assert_allclose(slopes, (sides[1] - sides[0]) / (2.0 * apart), atol=1e-3)
+
+
 def heavy_point(seed):
     """A random push over random points, one of which carries half of the load."""
     case, rng = random_case(seed), np.random.default_rng([seed, 3])

@@ -138,16 +138,6 @@ static int panel_rule(int rule, const double complex *zeros, double low, double 
     return rule;
 }
 
-/* A panel of an arc, low to high in 2 s - 1, and one of Gauss's rules for it. */
-typedef struct { double middle, half; int rule; } Panel;
-
-static ALWAYS_INLINE void panel_at(const Sweep *sweep, const Panel *panel, int j, Boundary *at) {
-    Lanes node, weight;
-    memcpy(&node, BOUNDARY_NODES + j, sizeof node);
-    memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-    arc_at(sweep, 0.5 * (1.0 + panel->middle) + 0.5 * panel->half * node, panel->half * weight, at);
-}
-
 /* Cones to a panel of an arc's image. */
 static void add_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
     Lanes sums[SUM_SIZE], image[QUADRATIC_SIZE];
@@ -208,12 +198,10 @@ static void add_arc_of(Cones *c, const Arc *arc) {
     int rule = arc_rule(arc->axis, c->digits);
     if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
     Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
+    Panel whole = {0.0, 1.0, rule};
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Lanes node, weight;
         Boundary at;
-        memcpy(&node, BOUNDARY_NODES + j, sizeof node);
-        memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-        arc_at(&sweep, 0.5 * (1.0 + node), weight, &at);
+        panel_at(&sweep, &whole, j, &at);
         for (int k = 0; k < LANES; ++k) add_far_cone(c, at.x[k], at.y[k], at.cross[k]);
     }
 }

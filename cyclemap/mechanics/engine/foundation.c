@@ -529,16 +529,26 @@ static int arc_rule(double axis, int digits) {
     return rule;
 }
 
+/* A panel of an arc, its middle and half its length in 2 s - 1, and one of Gauss's rules for
+   it. */
+typedef struct { double middle, half; int rule; } Panel;
+
+/* LANES places on it from the rule's node j on. */
+static ALWAYS_INLINE void panel_at(const Sweep *sweep, const Panel *panel, int j, Boundary *at) {
+    Lanes node, weight;
+    memcpy(&node, BOUNDARY_NODES + j, sizeof node);
+    memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
+    arc_at(sweep, 0.5 * (1.0 + panel->middle) + 0.5 * panel->half * node, panel->half * weight, at);
+}
+
 static void arc_moments(const Arc *arc, Lanes *m) {
     int rule = arc_rule(arc->axis, DIGIT_CLASSES - 1);
     if (rule == BOUNDARY_RULE_COUNT) --rule;
     Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
+    Panel whole = {0.0, 1.0, rule};
     for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Lanes node, weight;
         Boundary at;
-        memcpy(&node, BOUNDARY_NODES + j, sizeof node);
-        memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-        arc_at(&sweep, 0.5 * (1.0 + node), weight, &at);
+        panel_at(&sweep, &whole, j, &at);
         add_monomials(m, &at);
     }
 }
@@ -558,8 +568,7 @@ static void take_moments(Pressed *at) {
         double x = side[EDGE_START_X], ex = side[EDGE_END_X] - x;
         double y = side[EDGE_START_Y], ey = side[EDGE_END_Y] - y, cross = x * ey - y * ex;
         for (int j = 0; j < 2; ++j) {
-            Lanes share = (Lanes){0.0} + weights[j] * cross;
-            Boundary on = {x + places[j] * ex, y + places[j] * ey, share};
+            Boundary on = {x + places[j] * ex, y + places[j] * ey, all(weights[j] * cross)};
             add_monomials(m, &on);
         }
     }
@@ -657,16 +666,6 @@ static void shapes_by_theta(const Pressure *pressure, const Pressed *at, double 
     by[SHAPE_BOW_Y] = -2.0 * bow;
 }
 
-/* As if all of the outline were in contact. */
-static void start_from_whole(const Pressure *pressure, const double *whole, Pressed *at) {
-    double lack[BALANCE_SIZE], *p = at->pressure;
-    memset(p, 0, BALANCE_SIZE * sizeof(double));
-    loads_of(whole, p, lack);
-    for (int k = 0; k < BALANCE_SIZE; ++k)
-        lack[k] = (k ? pressure->centre[k - 1] : 1.0) - lack[k];
-    lean_for(whole, lack, p);
-}
-
 /* The pressure at an orientation by the cubic between two rows of the table; returns how far it may
    be off. */
 static double lean_between(const Pressure *pressure, double theta, double *p) {
@@ -704,18 +703,18 @@ static double correct(const Pressure *pressure, Pressed *at) {
    its address already. */
 EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     Pressed at;
-    double shape[SHAPE_SIZE], by[SHAPE_SIZE], whole[MONOMIALS];
+    double shape[SHAPE_SIZE], by[SHAPE_SIZE];
     int64_t count = pressure->table_count;
+    /* the first correction is made as if all of the outline were in contact */
     memset(at.pressure, 0, sizeof at.pressure);
     at.pressure[Q_LEVEL] = 1.0;
     if (!cut(pressure, &at)) return 0;
-    take_moments(&at);
-    memcpy(whole, at.moments, sizeof whole);
+    at.pressure[Q_LEVEL] = 0.0;
     for (int64_t i = 0; i < count; ++i) {
         double *row = table + BALANCE_COLUMNS * i;
         shapes_at(pressure, M_PI * (double)i / (double)count, shape);
         bend(at.pressure, shape);
-        if (i == 0) start_from_whole(pressure, whole, &at);
+        if (i == 0) correct(pressure, &at);
         if (!balance(pressure, &at)) return i;
         slopes_of(&at);
         shapes_by_theta(pressure, &at, by);

@@ -18,20 +18,33 @@ static void friction_at(const Pressure *pressure, const Pressed *pressed, const 
     memcpy(friction, f.friction, sizeof f.friction);
 }
 
+/* M of the law, and how it moves: with mu_a, mu_b and alpha, the ellipse's half axes and turn. */
+enum { OF_MU_A, OF_MU_B, OF_ALPHA, LAW_NUMBERS };
+
+static void matrix_by_law(const double *m, double by[LAW_NUMBERS][MATRIX_SIZE]) {
+    double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
+    memset(by, 0, LAW_NUMBERS * MATRIX_SIZE * sizeof(double));
+    by[OF_MU_A][M_XX] = m[M_XX] / mu_a;
+    by[OF_MU_A][M_XY] = m[M_XY] / mu_a;
+    by[OF_MU_B][M_YX] = m[M_YX] / mu_b;
+    by[OF_MU_B][M_YY] = m[M_YY] / mu_b;
+    by[OF_ALPHA][M_XX] = -m[M_XY];
+    by[OF_ALPHA][M_YX] = -m[M_YY];
+    by[OF_ALPHA][M_XY] = m[M_XX];
+    by[OF_ALPHA][M_YY] = m[M_YX];
+}
+
 /* Derivatives of the wrench by mu_a, mu_b and alpha, by columns; only_angle: by alpha alone. */
 static void friction_by_law(const Pressure *pressure, const Pressed *pressed, const double *twist,
                             const double *m, int is_far, int only_angle, const double *apart,
                             double *by_law) {
-    enum { HALF_AXES = 2, COUNT };
-    double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
-    const double toward[COUNT][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
-                                               {[M_YX] = m[M_YX] / mu_b, [M_YY] = m[M_YY] / mu_b},
-                                               {-m[M_XY], -m[M_YY], m[M_XX], m[M_YX]}};
+    double toward[LAW_NUMBERS][MATRIX_SIZE];
+    matrix_by_law(m, toward);
     /* which way an ellipse with equal axes is turned makes no difference */
     int is_round = m[M_XX] == m[M_YY] && m[M_XY] == -m[M_YX];
     Friction f;
-    memset(by_law, 0, WRENCH * COUNT * sizeof(double));
-    for (int k = only_angle ? HALF_AXES : 0; k < (is_round ? HALF_AXES : COUNT); ++k) {
+    memset(by_law, 0, WRENCH * LAW_NUMBERS * sizeof(double));
+    for (int k = only_angle ? OF_ALPHA : 0; k < (is_round ? OF_ALPHA : LAW_NUMBERS); ++k) {
         double *by = by_law + WRENCH * k;
         if (is_pressed(pressure)) {
             sum_pressed(pressure, pressed, pressed->pressure, twist, m, toward[k], is_far, by);

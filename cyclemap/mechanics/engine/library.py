@@ -95,20 +95,16 @@ def _is_whole(content: bytes) -> bool:
 def load() -> ctypes.CDLL:
     """Return the engine's library; EngineNotBuilt where there is none that may be used."""
     library, table, number = open_engine(Path(__file__).parent), ctypes.c_void_p, ctypes.c_int64
-    library.cm_run.argtypes, library.cm_run.restype = (
-        (*(table,) * 3, number, number, *(table,) * 4),
-        None,
-    )
-    library.cm_record.argtypes, library.cm_record.restype = (
-        (table, table, ctypes.c_double, table, number),
-        number,
-    )
-    library.cm_friction.argtypes, library.cm_friction.restype = (
-        (table, ctypes.c_double, table, table, number, table),
-        None,
-    )
-    library.cm_balance.argtypes, library.cm_balance.restype = (table, table), number
-    library.cm_press.argtypes, library.cm_press.restype = (table, ctypes.c_double, table), None
+    library.cm_run.argtypes = (*(table,) * 3, number, number, *(table,) * 4)
+    library.cm_run.restype = None
+    library.cm_record.argtypes = (table, table, ctypes.c_double, table, number)
+    library.cm_record.restype = number
+    library.cm_friction.argtypes = (table, ctypes.c_double, table, table, number, table)
+    library.cm_friction.restype = None
+    library.cm_balance.argtypes = (table, table)
+    library.cm_balance.restype = number
+    library.cm_press.argtypes = (table, ctypes.c_double, table)
+    library.cm_press.restype = None
     return library
 
 

@@ -114,8 +114,7 @@ class Part:
     which others build.
 
     share : the parameter that moves load from the even part to this one, None: there is none.
-        balance : the part that
-    changes along with that load, or None.
+    balance : the part that changes along with that load, or None.
     """
 
     name: ClassVar[str] = ""

@@ -123,21 +123,26 @@ static void balance_at(const Motion *m, const double *f, const double *g, double
     }
 }
 
+/* What spin and slip z add to the twist; a contact that does not slide has no slip. */
+static void twist_of(const double *f, const double *z, double *twist) {
+    twist[VX] = z[SPIN] * f[FRAME_Y] - z[SLIP] * f[FRAME_SINE];
+    twist[VY] = z[SLIP] * f[FRAME_COSINE] - z[SPIN] * f[FRAME_X];
+    twist[OMEGA] = z[SPIN];
+}
+
 /* How the wrench g goes with the polar unknowns: by the twist, which moves the others, and by the
    direction. */
 static void wrench_varies(const Motion *m, const Watched *w, const Polar *p, const double *others,
                           double by[UNKNOWN_SIZE][WRENCH]) {
-    const double *f = w->begun.frame;
     int n = unknowns(m);
     double turning[WRENCH];
     own_wrench(w, p->turning, turning);
     for (int j = 0; j < n; ++j) {
-        const double *z = p->by[j];
-        double x = z[SPIN] * f[FRAME_Y] - z[SLIP] * f[FRAME_SINE];
-        double y = z[SLIP] * f[FRAME_COSINE] - z[SPIN] * f[FRAME_X];
-        by[j][FORCE_X] = others[XX] * x + others[XY] * y + others[XW] * z[SPIN];
-        by[j][FORCE_Y] = others[XY] * x + others[YY] * y + others[YW] * z[SPIN];
-        by[j][TORQUE] = others[XW] * x + others[YW] * y + others[WW] * z[SPIN];
+        double v[TWIST_SIZE];
+        twist_of(w->begun.frame, p->by[j], v);
+        by[j][FORCE_X] = others[XX] * v[VX] + others[XY] * v[VY] + others[XW] * v[OMEGA];
+        by[j][FORCE_Y] = others[XY] * v[VX] + others[YY] * v[VY] + others[YW] * v[OMEGA];
+        by[j][TORQUE] = others[XW] * v[VX] + others[YW] * v[VY] + others[WW] * v[OMEGA];
     }
     add(by[n - 1], turning, 1.0, WRENCH);
 }
@@ -168,12 +173,11 @@ static double left_of(const Watched *w, const Polar *p, const double *polar, con
 
 /* The begun contact of polar unknowns with its friction: that of all others, and of the point. */
 static void friction_about(Stroke *r, const double *state, const Watched *w, const double *z,
-                           int is_sliding, Begun *b, double *others) {
-    const double *f = w->begun.frame;
+                           Begun *b, double *others) {
+    double added[TWIST_SIZE];
     *b = w->begun;
-    b->twist[VX] += z[SPIN] * f[FRAME_Y] - (is_sliding ? z[SLIP] * f[FRAME_SINE] : 0.0);
-    b->twist[VY] += (is_sliding ? z[SLIP] * f[FRAME_COSINE] : 0.0) - z[SPIN] * f[FRAME_X];
-    b->twist[OMEGA] = z[SPIN];
+    twist_of(b->frame, z, added);
+    add(b->twist, added, 1.0, TWIST_SIZE);
     friction_on(r, state, b, &r->is_far, w->row, others);
 }
 
@@ -186,7 +190,7 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     int n = unknowns(m);
     double others[FRICTION_SIZE], g[WRENCH], residual[UNKNOWN_SIZE], step[UNKNOWN_SIZE] = {0.0};
     double by_wrench[UNKNOWN_SIZE][WRENCH], by[UNKNOWN_SIZE][WRENCH], after[UNKNOWN_SIZE];
-    friction_about(r, state, &w, p.z, slides(m), &b, others);
+    friction_about(r, state, &w, p.z, &b, others);
     own_wrench(&w, p.u, g);
     add(g, others, 1.0, WRENCH);
     add(g, b.frame + FRAME_FORCE_X, 1.0, WRENCH);
@@ -387,7 +391,6 @@ static void own_varies(const Watched *w, const Polar *p, int all, double *fricti
                        double *by_law) {
     const double *m = w->begun.matrix, *u = p->u, *t = p->turning, *place = w->row + ROW_GEOMETRY;
     double turning[WRENCH], det = m[M_XX] * m[M_YY] - m[M_YX] * m[M_XY];
-    double mu_a = hypot(m[M_XX], m[M_XY]), mu_b = hypot(m[M_YX], m[M_YY]);
     own_wrench(w, t, turning);
     double size = w->load * copysign(fmax(fabs(p->size), LEAST_SIZE), p->size);
     const double hessian[FRICTION_SIZE] = {
@@ -402,10 +405,9 @@ static void own_varies(const Watched *w, const Polar *p, int all, double *fricti
     /* velocity over the size of w */
     double vx = (m[M_YY] * u[X] - m[M_XY] * u[Y]) / det;
     double vy = (m[M_XX] * u[Y] - m[M_YX] * u[X]) / det;
-    const double toward[3][MATRIX_SIZE] = {{[M_XX] = m[M_XX] / mu_a, [M_XY] = m[M_XY] / mu_a},
-                                           {[M_YX] = m[M_YX] / mu_b, [M_YY] = m[M_YY] / mu_b},
-                                           {-m[M_XY], -m[M_YY], m[M_XX], m[M_YX]}};
-    for (int k = all ? 0 : 2; k < 3; ++k) {
+    double toward[LAW_NUMBERS][MATRIX_SIZE];
+    matrix_by_law(m, toward);
+    for (int k = all ? 0 : OF_ALPHA; k < LAW_NUMBERS; ++k) {
         const double *d = toward[k];
         double image[2], fx = w->load * (d[M_XX] * u[X] + d[M_YX] * u[Y]);
         double fy = w->load * (d[M_XY] * u[X] + d[M_YY] * u[Y]);
@@ -425,7 +427,7 @@ static void friction_watched(Stroke *r, const Motion *m, const double *state, in
     double own[WRENCH];
     Polar p = polar_at(m, &w, unknown);
     memcpy(unknown, p.z, sizeof p.z);
-    friction_about(r, state, &w, p.z, slides(m), b, friction);
+    friction_about(r, state, &w, p.z, b, friction);
     friction_varies(r, b, all, w.row, by_law, by_turning, by_pressure);
     own_wrench(&w, p.u, own);
     add(friction, own, 1.0, WRENCH);

@@ -221,15 +221,15 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     m->has_tangent = !is_middle && with.mode == m->mode && m->watched < 0;
     int is_poor = is_middle && !(correction <= UNSOLVED_MIDDLE);
     if ((m->watched < 0 && is_kinked(r, m, row)) || is_poor) {
+        double before[ROW];
+        memcpy(before, row, sizeof before);
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         if (evaluate(r, m, row, row, report) < 0) {
-            /* polar unknowns may not serve in the middle of a step: plain ones do */
             if (m->watched < 0) return UNSOLVED;
-            Motion plain = *m;
-            double plain_row[ROW];
-            memcpy(plain_row, row, sizeof plain_row);
-            unwatch(r, &plain, plain_row);
-            return rates_vary(r, &plain, plain_row, is_middle, by);
+            /* polar unknowns may not serve in the middle of a step: plain ones do, from where the
+               stages have it, not from where the others went astray */
+            unwatch(r, m, before);
+            return rates_vary(r, m, before, is_middle, by);
         }
         slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
     }

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import ContactCurve, CornerPiece, SidePiece
 from cyclemap.mechanics.engine.library import load
 from cyclemap.mechanics.engine.parts import NODE, PARTS, ROW, Ground
@@ -116,7 +116,8 @@ class Strokes:
 
     friction : numbers of LAW. pieces : of the contact curve, table as `piece_table` makes it, the
         ring last. direction : of the push, from the object's x axis if `with_object`, else from
-    the world's. length : of the push, 0: none. Lengths in extents, friction in mean coefficients.
+        the world's. length : of the push, 0: none. Lengths in extents, friction in mean
+        coefficients.
     """
 
     pressure: PressureTables
@@ -202,16 +203,23 @@ def run(
 
 
 def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -> Array:
-    """Return the course of one task, rows of RECORD; or the status, below 0, as a number."""
+    """Return the course of one task, rows (n, RECORD.size), from a pose in extents and rad.
+
+    longest : bound on the spacing of rows, extents. Raises ConvergenceError where the motion cannot
+        be followed in steps so short.
+    """
     loops, held = _packed([strokes])
     task, room = np.array([0.0, *pose]), 512
     while True:
         rows = np.empty((room, RECORD.size))
         found = load().cm_record(loops.ctypes.data, _address(task), longest, _address(rows), room)
         if found != Status.RECORD_FULL:
-            del held
-            return rows[:found] if found >= 0 else np.array(float(found))
+            break
         room *= 4
+    del held
+    if found < 0:
+        raise ConvergenceError("the motion's course cannot be followed: try another accuracy")
+    return rows[:found]
 
 
 def pressure_at(pressure: PressureTables, theta: float) -> Array:
@@ -227,11 +235,9 @@ def friction_values(
     """Return D, then FRICTION, (n, 10), at twists (n, 3) of an object that has turned by theta;
     `matrix`: M by columns.
     """
-    packed, given, twists = (
-        np.array(_addressed(pressure)),
-        np.array(matrix),
-        np.ascontiguousarray(twists),
-    )
+    packed = np.array(_addressed(pressure))
+    given = np.array(matrix)
+    twists = np.ascontiguousarray(twists)
     values = np.empty((len(twists), 1 + FRICTION.size))
     load().cm_friction(
         packed.ctypes.data,
