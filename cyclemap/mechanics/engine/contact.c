@@ -379,7 +379,9 @@ static int bracketed(Stroke *r, Motion *m, const double *state, double *row, dou
     if (closed == 2) settle_with(r, m, state, s.force, row, report);
     if (closed != 1) return closed < 0 ? NO_SLIP : 1;
     s.force = force_of(report);
-    double accepted = fmax(ACCEPTED, ACCEPTED_SHARE * r->object->tolerance);
+    double accepted = ACCEPTED;
+    if (is_pressed(&r->object->pressure))
+        accepted = fmax(accepted, ACCEPTED_SHARE * r->object->tolerance);
     if (iterate(r, m, state, m->z, row, report) <= accepted) return 1;
     if (!count_of_points(r)) return UNSOLVED;
     /* a support point stands still, whose friction the spin alone does not tell */
