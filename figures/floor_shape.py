@@ -40,7 +40,7 @@ FROM_PUSHES = "plywood-floor"
 TROUGH = SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2)
 # Measured pushes that are taken: the board still changes before them.
 FIRST_CYCLE = 500
-# Orientations at which the plate is drawn, rad; and the mean friction of Table I, which moves nothing.
+# Orientations at which the plate is drawn, rad.
 RESTING = (0.0, math.pi / 6, math.pi / 3)
 _ACCURACY = 1e-6
 _BINS = 36
@@ -205,7 +205,7 @@ def caption(result: FloorShapes) -> str:
     flat, ellipse, trough, pushes = result.floors
     mean = [math.degrees(float(np.mean(floor.turn))) for floor in result.floors]
     low, high = np.degrees([trough.turn.min(), trough.turn.max()])
-    told = [
+    sentences = [
         "Turn of a whole cycle over θ0. On a flat floor with friction alike in all directions every cycle turns by the "
         f"same {mean[0]:.1f}°. The friction ellipse of Table I makes it depend on θ0, by a first harmonic (its offset, "
         f"{math.degrees(ellipse.harmonic(1)):.1f}°) and a second ({math.degrees(ellipse.harmonic(2)):.1f}°). So does "
@@ -217,12 +217,12 @@ def caption(result: FloorShapes) -> str:
         "trough.",
     ]
     if result.measured is None:
-        told.append(f"{NO_DATA.capitalize()} of plywood.")
+        sentences.append(f"{NO_DATA.capitalize()} of plywood.")
     else:
-        told.append(
+        sentences.append(
             f"Measured: medians over 10° of pushes {FIRST_CYCLE} to 2000. They lie {math.degrees(flat.miss):.1f}° "
             f"(root mean square) from the rotation, {math.degrees(ellipse.miss):.1f}° from Table I's map, "
             f"{math.degrees(trough.miss):.1f}° from the trough's and {math.degrees(pushes.miss):.1f}° from that of "
             "the shapes found in pushes."
         )
-    return " ".join(told)
+    return " ".join(sentences)

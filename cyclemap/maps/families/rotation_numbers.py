@@ -84,12 +84,17 @@ def rotation_numbers(
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
     lower, upper = _bounds(formula, flat, wanted, workers)
-    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / wanted)) + 2)
-    winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
+    period, winding = _fractions(lower, upper, wanted)
     value = np.where(period > 0, lower, 0.5 * (lower + upper))
     lower, upper = _outward(lower, upper)
     value, lower, upper, period, winding = _shaped(shape, value, lower, upper, period, winding)
     return RotationNumbers(value, lower, upper, period, winding, wanted)
+
+
+def _fractions(lower: Array, upper: Array, tolerance: float) -> tuple[Whole, Whole]:
+    """Period and winding where both bounds are the same fraction, else 0."""
+    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / tolerance)) + 2)
+    return period, np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
 
 
 def _outward(lower: Array, upper: Array) -> tuple[Array, Array]:
@@ -282,10 +287,10 @@ class _Envelopes:
         return np.ones(parameters[0].shape, dtype=bool)
 
 
-def _envelopes(family: ParametricLift, found: list[Plateaus], max_error: float) -> _Envelopes:
+def _envelopes(family: ParametricLift, plateaus: list[Plateaus], max_error: float) -> _Envelopes:
     """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty ones."""
-    tables = np.zeros((3, len(found), max(1, *(columns[0].size for columns in found))))
-    for row, (start, end, level, _) in enumerate(found):
+    tables = np.zeros((3, len(plateaus), max(1, *(columns[0].size for columns in plateaus))))
+    for row, (start, end, level, _) in enumerate(plateaus):
         if start.size == 0:
             continue
         turns = np.floor(start / TWO_PI)
@@ -294,7 +299,7 @@ def _envelopes(family: ParametricLift, found: list[Plateaus], max_error: float) 
         tables[:, row] = columns[:, order[:1]]
         tables[1, row, start.size :] = tables[0, row, start.size :]
         tables[:, row, : start.size] = columns[:, order]
-    inexact = max(columns[3] for columns in found) + max_error
+    inexact = max(columns[3] for columns in plateaus) + max_error
     start, end, level = tables
     return _Envelopes(family, start, end, level, inexact + SLACK)
 
@@ -320,8 +325,7 @@ def _folded_numbers(
         mean += weight * (image - theta)
         theta = image - TWO_PI * np.floor(image / TWO_PI)
     mean /= TWO_PI
-    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / tolerance)) + 2)
-    winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
+    period, winding = _fractions(lower, upper, tolerance)
     value = np.where((lower <= mean) & (mean <= upper), mean, 0.5 * (lower + upper))
     value = np.where(period > 0, lower, value)
     return value, *_outward(lower, upper), period, winding

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import Array, Whole
+from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import MATRIX, Estimate
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
@@ -64,9 +64,9 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
         values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
         left = left.conj()
     else:
-        values, right = _arnoldi(deflated, wanted)
-        others, left = _arnoldi(deflated.T, wanted)
-        left = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
+        # More than wanted, so that no eigenvalue loses a copy at the end.
+        values, right = _arnoldi(deflated, wanted + _COPIES)
+        left = _paired(values, right, *_arnoldi(deflated.T, wanted + _COPIES))
     order = _falling(values)[:wanted]
     values, right, left = values[order], right[:, order], left[:, order]
     # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
@@ -82,12 +82,14 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
         left = left / np.sum(left * right, axis=0)
         condition = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
     condition = np.where(overlap > 0.0, condition, np.inf)
+    apart, good = np.abs(values[:, None] - values), condition <= _WELL_CONDITIONED
+    same = (apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))
     with np.errstate(all="ignore"):
         rounding = MATRIX * condition * float(np.linalg.norm(basis.matrix))
-        bounds = np.nan_to_num(_error_bounds(basis, finer, values, right, left) + rounding, nan=np.inf, posinf=np.inf)
+        moved = _error_bounds(basis, finer, values, right, left, same)
+        bounds = np.nan_to_num(moved + rounding, nan=np.inf, posinf=np.inf)
     # How far from each eigenvalue the nearest different one lies, 1 at most.
-    apart, good = np.abs(values[:, None] - values), condition <= _WELL_CONDITIONED
-    apart[(apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))] = 1.0
+    apart[same] = 1.0
     bounds[bounds > _TRUSTED * np.min(apart, axis=1, initial=1.0)] = np.inf
     bounds[0] = 0.0
     return Spectrum(values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count])
@@ -176,15 +178,33 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
     return np.asarray(values, dtype=np.complex128), np.asarray(vectors, dtype=np.complex128)
 
 
+def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> Complex:
+    """The left vector (n, k) of each right one: of the nearest value; of all copies of a value, the dual basis.
+
+    Any vectors of such an eigenvalue's left space may come out of an iteration, some at right angles to the right one.
+    """
+    paired = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
+    for value in values:
+        copies, opposite = np.abs(values - value) <= _SAME, np.abs(others - value) <= _SAME
+        if np.sum(copies) > 1:
+            overlap = left[:, opposite].T @ right[:, copies]
+            paired[:, copies] = left[:, opposite] @ np.linalg.pinv(overlap).T
+    return paired
+
+
 def _error_bounds(
-    basis: Discretisation, finer: Discretisation, values: Complex, right: Complex, left: Complex
+    basis: Discretisation, finer: Discretisation, values: Complex, right: Complex, left: Complex, same: Mask
 ) -> Array:
-    """How far the finer basis moves every eigenvalue, to first order where it has no further functions."""
+    """How far the finer basis moves every eigenvalue, to first order where it has no further functions.
+
+    same : (k, k), which values are copies of one: these move by the eigenvalues of their block, at most its row sums.
+    """
     if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
         # Real columns: with complex ones all waves would be made complex first.
         carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))
         carried = np.ascontiguousarray(carried).view(np.complex128)
-        return np.asarray(np.abs(np.sum(left * carried, axis=0) - values))
+        rows = np.sum(np.abs(left.T @ carried - np.diag(values)), axis=1, where=same)
+        return np.asarray(np.max(np.where(same, rows, 0.0), axis=1))
     from scipy.optimize import linear_sum_assignment
 
     # One to one, or to 0: the nearest finer value may be another's.

@@ -19,6 +19,7 @@ _SHARE = 0.5  # of the mean |Fⁿ - id - 2πw|: a larger gap is no bottleneck
 _STEP = 1e-3  # radians at most, of the differences that give the curvature
 _GAUSS = 48
 _FOLLOWED = 1_000.0  # iterates: longer passages are slow enough for the flow's series
+_MOST_FOLLOWED = 4_000  # iterates: a path that is not across by then does not get through
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,8 @@ def _relative_error(
 def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float) -> float:
     """Iterates from one end of the stretch to the other, theta ± reach, by following paths to its middle and from it.
 
-    Fractions of an iterate are those of the flow across the middle, where it is slowest and its series is good.
+    Fractions of an iterate are those of the flow across the middle, where it is slowest and its series is good. inf
+    where a path does not get through.
     """
     way = 1.0 if gap > 0.0 else -1.0
 
@@ -174,15 +176,17 @@ def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reac
     if not first > 0.0:
         return float("inf")
     cycles, x = 0.0, -reach
-    while x < 0.0 and cycles <= 4.0 * _FOLLOWED:
+    while x < 0.0:
         before, x, cycles = x, moved(x), cycles + 1.0
-        if x <= before:
+        if x <= before or cycles > _MOST_FOLLOWED:
             return float("inf")
     cycles -= fraction(x)
     # From the middle on: the angle between it and its image whose path meets the far end.
     steps, x = 0, 0.0
-    while moved(x) <= reach and steps <= 4.0 * _FOLLOWED:
-        x, steps = moved(x), steps + 1
+    while (ahead := moved(x)) <= reach:
+        if ahead <= x or steps > _MOST_FOLLOWED:
+            return float("inf")
+        x, steps = ahead, steps + 1
 
     def arrives(start: float) -> float:
         for _ in range(steps):
