@@ -80,7 +80,7 @@ def test_measured_plywood_gives_the_pairs_of_its_staircase_in_order(measured_dat
 def test_the_tree_of_measured_data_loads_whole_and_names_the_table_that_holds_no_pushes(measured_data: Path) -> None:
     loaded = load_pushes(measured_data)
     assert [entry.path.name for entry in loaded.unreadable] == ["mit_rect1_wrench_twist_v10.csv"]
-    assert len(loaded.table) == 91 + 3492 + 1908 + 217 + 1119 + 1996
+    assert len(loaded.table) == 91 + 3492 + 1908 + 4718 + 217 + 1119 + 1996
     ends = loaded.table[loaded.table["path"].str.endswith("endpoints_v10.csv")]
     assert len(ends) == 3492 and sorted(ends["object"].unique()) == ["ellip1", "hex", "rect1", "rect2"]
     assert ends["speed"].unique() == pytest.approx([0.01])
