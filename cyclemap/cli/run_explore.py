@@ -8,11 +8,11 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
-from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
-from cyclemap.collection.collection_file import data_settings
-from cyclemap.collection.settings import layered
+from cyclemap.cli.options import TableOptions, measured_orientations
 from cyclemap.errors import InvalidInput
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, protocol_of, set_settings
+from cyclemap.protocol.collection_file import data_settings
+from cyclemap.protocol.settings import layered
 from cyclemap.views.explorer.answers import coarse, exact, explored, measured
 from cyclemap.views.explorer.server import Answer, ExplorerServer
 

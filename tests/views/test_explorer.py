@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 
 import cyclemap as cm
-from cyclemap.cli.settings import set_settings
 from cyclemap.collection.portrait import noises_of
-from cyclemap.resets import read_protocol
+from cyclemap.protocol import read_protocol
+from cyclemap.protocol.chosen_loop import set_settings
 from cyclemap.views.explorer.answers import CONTROLS, cell_density, coarse, exact, explored
 from cyclemap.views.explorer.server import LONGEST_BODY, ExplorerServer
 
@@ -78,7 +78,7 @@ def test_copied_command_and_saved_protocol_are_the_loop_of_the_page(tmp_path) ->
     (tmp_path / "saved.toml").write_text(found.protocol())
     for settings in (set_settings(words[4::2]), read_protocol(tmp_path / "saved.toml")[0]):
         assert settings.pop("noise_deg") == 3.0
-        loop = cm.CollectionLoop.from_settings(settings, cm.CollectionLoop.mit(material="plywood"))
+        loop = cm.protocol.loop_from_settings(settings, cm.CollectionLoop.mit(material="plywood"))
         assert loop.cycle(0.4).theta_next == found.loop.cycle(0.4).theta_next
 
 
@@ -246,7 +246,7 @@ def test_page_in_a_real_browser(running, open_page) -> None:
     page.wait_for_selector("#command:has-text('hitch_x_mm=-9.4')")
     page.wait_for_selector("body[data-exact=true]")
     assert "hitch_x_mm=-9.4" in page.url
-    loop = cm.CollectionLoop.from_settings({"hitch_x_mm": -9.4}, cm.CollectionLoop.mit(material="plywood"))
+    loop = cm.protocol.loop_from_settings({"hitch_x_mm": -9.4}, cm.CollectionLoop.mit(material="plywood"))
     shown = page.evaluate("document.getElementById('headline').textContent")
     stable = [orbit for orbit in cm.fixed_points(loop.circle_map()) if orbit.stable]
     assert stable and all(f"{math.degrees(orbit.points[0]):.1f}°" in shown for orbit in stable)

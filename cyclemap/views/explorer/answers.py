@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from cyclemap.checks import finite_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, noises_of, portrait
-from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, Settings, without_noise
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, toml_text
 from cyclemap.maps import CircleMap, Orbit, WrappedNormal, fixed_points, sample_staircase
 from cyclemap.mechanics import Ellipse
 from cyclemap.plain_text import typeset
+from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, Settings, without_noise
+from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.views import sentences
 
 CONTROLS = tuple(one for one in SETTINGS.values() if one.label)
@@ -99,7 +100,7 @@ class Explored:
     def told(self, settings: Mapping[str, object]) -> Explored:
         """The same with settings as on the command line."""
         mechanical, sigma = without_noise(settings)
-        loop, sigma = CollectionLoop.from_settings(mechanical, self.loop), self.sigma if sigma is None else sigma
+        loop, sigma = loop_from_settings(mechanical, self.loop), self.sigma if sigma is None else sigma
         return replace(self, settings={**self.settings, **settings}, loop=loop, sigma=sigma)
 
     def command(self) -> str:
