@@ -12,6 +12,7 @@ import numpy as np
 from cyclemap.file_text import MILLIMETRES
 
 if TYPE_CHECKING:
+    from cyclemap.collection.direction_margins import DirectionMargin
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
@@ -127,6 +128,30 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
             for one in found.directions
         ],
     }
+
+
+def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
+    """How far each setting is from a change of the stable directions, nearest first, in the units of the keys."""
+    from cyclemap.collection.setting_table import SETTINGS
+
+    found: list[Json] = []
+    for one in margins:
+        unit = float(SETTINGS[one.key].unit.in_si)
+        told: Json = {"key": one.key, "value": one.value / unit, "directions": one.directions}
+        for side, change in (("below", one.below), ("above", one.above)):
+            told[side] = (
+                None
+                if change is None
+                else {
+                    "value": change.value / unit,
+                    "error": change.value.error_bound / unit,
+                    "kind": change.kind,
+                    "theta_deg": None if math.isnan(change.theta) else direction_deg(change.theta),
+                    "directions": change.directions,
+                }
+            )
+        found.append({**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)})
+    return found
 
 
 def _staircase(prediction: StaircaseSummary) -> Json:
