@@ -32,6 +32,7 @@ Families, p → CircleMap
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
 bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of two parameters
+response, Response : derivatives of law, winding, stable points and passage times by the parameter, under noise
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
 orbit_diagram, OrbitDiagram : where orbits are after a transient
 
@@ -87,6 +88,7 @@ if TYPE_CHECKING:
         orbit_diagram,
     )
     from cyclemap.maps.families.orbit_equations import Bifurcation
+    from cyclemap.maps.families.response import Response, response
     from cyclemap.maps.families.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.branches import Branch, branches, preimages
@@ -142,6 +144,7 @@ __all__ += ["ParametricLift", "RotationNumbers", "RotationPlane", "Tongue", "Ton
 __all__ += ["border_collisions", "follow_orbit", "lyapunov_exponent", "lyapunov_exponents", "orbit_branches"]
 __all__ += ["orbit_diagram", "period_doublings", "rotation_numbers", "rotation_plane", "saddle_nodes", "tongue"]
 __all__ += ["BifurcationCurve", "CodimensionTwo", "bifurcation_curves", "follow_bifurcation", "tongues"]
+__all__ += ["Response", "response"]
 __all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
 __all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
 __all__ += ["Spectrum", "TransferOperator", "transfer_operator"]
