@@ -119,6 +119,17 @@ def test_a_loop_whose_histogram_is_nearer_to_uniform_than_any_reset_is_left_as_i
     assert left.chosen.worst_histogram[0] < 0.5 * left.independent
 
 
+def test_contact_is_demanded_at_least() -> None:
+    """The loop's own push keeps the object for 132 mm: enough for 120, too little for 140, which is then what binds."""
+    narrow = material_range(LOOP.material, 0.0, 0.0)
+    for contact, misses in ((0.12, False), (0.14, True)):
+        demands = ResetDemands(keep_push=True, abilities=("gripper",), contact=contact, pushes=100)
+        design = design_reset(LOOP, demands, materials=narrow)
+        assert 0.12 < design.chosen.contact < 0.14
+        assert ("contact" in design.chosen.misses) == misses == (not design.met)
+        assert ("contact" in [limit.demand for limit in design.binding]) == misses
+
+
 def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds() -> None:
     kept = design_reset(LOOP, ResetDemands(keep_push=True), materials=material_range(LOOP.material, 0.1, 0.0))
     assert not kept.met and {"tv", "after"} <= set(kept.chosen.misses)
