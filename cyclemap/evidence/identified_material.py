@@ -237,16 +237,15 @@ def identified_material(
     sources: Sequence[str] = (),
     last_cycle: float = 0.0,
     plate: str = "rect1",
-    seed: int = 0,
     floor: Material | None = None,
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
     sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
     surface that wears is the worn one. plate : the object whose shape was identified, where it is one alone.
-    seed : of the samples of the posterior, which are of new sessions. floor : what was known of it, whose plates,
-    sessions and frames are kept, but for shares of the load, which belong to flat floors. What the data do not depend
-    on is left open in `found_with`. Raises InvalidInput for an empty name.
+    floor : what was known of it, whose plates, sessions and frames are kept, but for shares of the load, which belong
+    to flat floors. Samples of the posterior are of new sessions. What the data do not depend on is left open in
+    `found_with`. Raises InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
@@ -281,7 +280,7 @@ def identified_material(
         session_spread=found.session_spread,
         field=floor_field(found.values),
     )
-    return replace(material, posterior=_posterior(found, material, plate, seed, before.posterior))
+    return replace(material, posterior=_posterior(found, material, plate, before.posterior))
 
 
 def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, ...]:
@@ -291,14 +290,14 @@ def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, .
 
 
 def _posterior(
-    found: Identification, material: Material, plate: str, seed: int, before: MaterialPosterior | None
+    found: Identification, material: Material, plate: str, before: MaterialPosterior | None
 ) -> MaterialPosterior | None:
     """Samples of what the data allow in a new session, in the names and units of a material file.
 
     before : samples of what was known; those of plates that the data are not of stay.
     """
-    rows, rng = list[dict[str, float]](), np.random.default_rng(seed)
-    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES, seed)):
+    rows, rng = list[dict[str, float]](), np.random.default_rng(0)
+    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
         row, worn = _ellipse(SurfaceParameters.from_values(values).to_friction()), worn_friction_of(values)
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
         off = rng.standard_normal(3) * found.session_spread

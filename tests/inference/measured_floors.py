@@ -26,6 +26,7 @@ from cyclemap.evidence import (
     collected_blocks,
     identified_material,
     identify,
+    push_end_block,
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
@@ -46,9 +47,9 @@ from cyclemap.text_files import read_csv_table
 FLOORS = ("plywood", "abs")
 PLATES = ("rect1", "rect2", "tri1", "tri3", "hex", "ellip1", "ellip2")
 PUSHES = {10: ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v10_more.csv"), 20: ("mit_push_endpoints_v20.csv",)}
-DRAGS = "mit_dragback_v10.csv"
+DRAGS, CYCLES = "mit_dragback_v10.csv", "plywood_rect1_theta0_2000.csv"
 # Strokes of a session that take part, evenly spread.
-MOST = 40
+MOST, MOST_MADE = 40, 60
 STUDENT = 4.0
 PLATES_PROVENANCE = (
     "shapes of the plates of the MIT push dataset (Yu et al. 2016): means of what plywood and abs say, weighed by how "
@@ -80,10 +81,12 @@ def fitted(
     known: Material | None = None,
     shapes: Sequence[PlatePressure] = (),
     begin: Material | None = None,
+    other: Material | None = None,
 ) -> Floor:
     """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse gains nothing.
 
-    known : as of `--floor`. shapes : as of `--plate`. begin : at whose shapes the search begins.
+    known : as of `--floor`. shapes : as of `--plate`. begin : at whose shapes the search begins. other : another floor,
+    whose plates are believed to have the shapes that they have there, to within what is known of them.
     """
     data = [folder() / name for speed in speeds for name in PUSHES[speed]] + ([folder() / DRAGS] if drags else [])
     loop = CollectionLoop.mit("isotropic")
@@ -94,6 +97,7 @@ def fitted(
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
     free = tuple(name for name in free if name not in fixed)
     beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])
+    beliefs |= known_beliefs(other, [name for name in free if name.startswith("plate_")], plates[0])
     blocks, space = begun(blocks, begin, plates[0])
     found = identify(
         blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=known_spread(known, blocks), space=space,
@@ -187,10 +191,41 @@ def left_out(plate: str) -> None:
         report(f"{floor}, ten pushes", {plate: errors(own, plate, pushes)})
 
 
+def staircase() -> None:
+    """Fit rect1 on plywood to pushes, drags and every second block of 100 cycles at once; judge what was left out."""
+    data = [folder() / name for name in (PUSHES[10][0], DRAGS, CYCLES)]
+    loop = CollectionLoop.mit("isotropic")
+    collected = collected_blocks(data, loop, {"surface": "plywood", "object": "rect1"}, wear=True, most=MOST)
+    blocks, space = begun(collected.blocks, load_material("plywood-floor"), "rect1")
+    (place,) = (number for number, block in enumerate(blocks) if block.curve is not None)
+    cycles, pushes = blocks[place], next(block for block in blocks if block.name.endswith("push ends"))
+    seen = np.arange(len(cycles.groups)) // 100 % 2 == 0
+    blocks[place] = cycles.subset(seen)
+    free = telling_parameters(blocks)
+    found = identify(blocks, free, priors=usual_beliefs(free), starts=1, student=STUDENT, space=space)
+    off = np.degrees(cycles.residuals(found.values)[0])
+    assert cycles.motions is not None
+    theta, late = cycles.motions[:, 0] % (2.0 * np.pi), np.arange(len(off)) >= 500
+    bins = (theta // np.radians(10.0)).astype(int)
+    by_bins = [np.mean(off[late & (bins == index)]) for index in np.unique(bins[late])]
+    print(f"cycles left out: {np.sqrt(np.mean(off[~seen] ** 2)):.2f} deg root mean square, ", end="")
+    print(f"median {np.median(np.abs(off[~seen])):.2f}; map {np.sqrt(np.mean(np.square(by_bins))):.2f}")
+    judged = push_end_block(measured("plywood", "rect1", 20), Slider.mit("rect1"))
+    ends = judged.function(pushes.own_values(found.values))[0].reshape(-1, 3)
+    place_off, turn_off = 1e3 * np.hypot(*ends.T[:2]), np.degrees(np.abs(ends[:, 2]))
+    print(f"pushes at 20 mm/s: {place_off.mean():.2f} mm, {turn_off.mean():.2f} deg")
+    for one in found.estimates:
+        print(f"  {one.name} {one.value:.4g} ({one.lower:.4g} to {one.upper:.4g})")
+    print("\n".join(found.notes))
+
+
 def make(target: Path, floor: str) -> None:
     """Write a floor's material, fitted to all."""
-    shipped = load_material(f"{floor}-floor")
-    material = fitted(floor, (10, 20), drags=True, begin=shipped).material
+    begin, other = load_material(f"{floor}-floor"), None
+    if floor == "plywood":
+        other = load_material("abs-floor")
+        begin = replace(begin, plates=other.plates)
+    material = fitted(floor, (10, 20), drags=True, most=MOST_MADE, begin=begin, other=other).material
     words = f"{material.provenance}; made by python -m tests.inference.measured_floors make FOLDER {floor}"
     (target / f"{material.name}.toml").write_text(material_toml(replace(material, provenance=words)))
 
@@ -222,5 +257,7 @@ if __name__ == "__main__":
         plates(Path(rest[0]))
     elif command == "left-out":
         left_out(rest[0])
+    elif command == "staircase":
+        staircase()
     else:
         judge()
