@@ -342,12 +342,24 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     free = "; ".join(told)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
     if found.priors:
-        # Beliefs of all plates alike are told once.
-        common = {name.partition("[")[0]: belief for name, belief in found.priors.items()}
-        listed = ", ".join(f"{name} {mean:g} +- {deviation:g}" for name, (mean, deviation) in common.items())
-        text += f"; believed beforehand, in SI units: {listed}"
+        text += f"; believed beforehand, in SI units: {belief_words(found.priors)}"
     held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
     return text + (f"; held: {held}" if held else "")
+
+
+def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
+    """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions are told once.
+
+    >>> belief_words({"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0), "plate_warp_x[hex]": (2.0, 0.5)})
+    'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
+    """
+    told = list[str]()
+    for plain in dict.fromkeys(name.partition("[")[0] for name in beliefs):
+        own = {name: belief for name, belief in beliefs.items() if name.partition("[")[0] == plain}
+        if len({*own.values()}) == 1:
+            own = {plain: next(iter(own.values()))}
+        told += [f"{name} {mean:.4g} +- {deviation:.4g}" for name, (mean, deviation) in own.items()]
+    return ", ".join(told)
 
 
 def misfit_words(found: Identification) -> str:

@@ -102,7 +102,10 @@ def fitted(
     found = identify(
         blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=known_spread(known, blocks), space=space,
     )  # fmt: skip
+    odd = [f"; {note}" for note in collected.notes if "odd session" in note]
+    told = "" if other is None else f"; plates believed to be as on {other.name}, to within what is known of them there"
     sources = [f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"]
+    sources[0] += "".join(odd) + told
     return Floor(found, identified_material(found, f"{floor}-floor", sources, plate=plates[0], floor=known))
 
 
