@@ -55,7 +55,7 @@ STUDENT = 4.0
 # Left free it comes out as 3 mm, which holds every fourth drag from turning and takes the map 9 degrees off.
 PIN = 0.8e-3
 PLATES_PROVENANCE = (
-    "shapes of the plates of the MIT push dataset (Yu et al. 2016): what plywood says, whose fit believed what abs says "
+    "shapes of the plates of the MIT push dataset (Yu et al. 2016): what plywood says, its fit believing what abs says "
     "of them (plywood-floor); made by python -m tests.inference.measured_floors plates FOLDER"
 )
 # Where the robot drags to.
