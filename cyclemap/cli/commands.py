@@ -175,16 +175,16 @@ command(
 )
 command(
     "explore",
-    """Move sliders and see the object move, its map, its stable directions and its staircase, in the browser.
+    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and staircase.
 
-    MATERIAL is plywood where none is given. The page is served on this machine only; Ctrl-C ends it.
+    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself: no network, no
+    server, no installation where it is mailed to.
     """,
     protocol_options,
     option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves."),
     table_options,
-    option(
-        "--browser/--no-browser", default=True, show_default=False, help="Open the page, or only print its address."
-    ),
+    option("--browser/--no-browser", default=True, show_default=False, help="Open the page, or only write it."),
+    option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
 )
 command(
     "dynamics",
@@ -360,7 +360,7 @@ command(
 )
 command(
     "report",
-    "Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance.",
+    "Write report_MATERIAL.html: verdict, the explorer's page, data beside it, what to do, provenance.",
     loop_options,
     option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by."),
     table_options,

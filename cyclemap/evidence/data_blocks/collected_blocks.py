@@ -15,8 +15,6 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
-from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
@@ -70,6 +68,8 @@ from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, load_pushes, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
