@@ -5,10 +5,12 @@ import re
 import runpy
 from pathlib import Path
 
+import cyclemap as cm
 from cyclemap.cli.main import cli
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
 from cyclemap.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
+from cyclemap.protocol.setting_table import SETTINGS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SOURCES = [
@@ -20,9 +22,24 @@ def words(name: str) -> str:
     return (DOCS / name).read_text(encoding="utf-8")
 
 
-def test_the_readme_tells_every_setting_as_the_guide_does() -> None:
-    readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
-    assert runpy.run_path(str(DOCS / "_extensions" / "settings_table.py"))["markdown"]() in readme
+def test_the_guide_shows_the_table_of_every_setting() -> None:
+    assert "```{settings}\n" in words("how-to/own-protocol.md")
+    table = runpy.run_path(str(DOCS / "_extensions" / "settings_table.py"))["markdown"]()
+    keys = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
+    assert keys == list(SETTINGS) and len(keys) > 30
+
+
+def test_the_page_of_materials_tells_every_built_in_one() -> None:
+    rows = re.findall(r"^\| (`.*`) \| ", words("materials.md").split("## A file of your own")[0], re.MULTILINE)
+    assert {name for row in rows for name in re.findall(r"`([\w-]+)`", row)} == set(material_names())
+
+
+def test_every_function_in_the_table_of_rooms_exists() -> None:
+    rows = re.findall(r"^\| `cm\.(\w+)`(?:: \w+)? \| (.*) \|$", words("reference/index.md"), re.MULTILINE)
+    assert len(rows) == 11
+    for room, functions in rows:
+        for name in re.findall(r"`(\w+)`", functions):
+            assert hasattr(getattr(cm, room), name) or hasattr(cm.CircleMap, name), f"cm.{room}.{name}"
 
 
 def test_every_key_of_a_strategy_is_in_the_guide_and_nothing_else_is() -> None:
