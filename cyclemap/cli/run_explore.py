@@ -5,10 +5,10 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
+from cyclemap.cli.options import TableOptions, measured_orientations
 from cyclemap.cli.output import progress_bar, result_stem
-from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait import portrait
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.text_files import write_whole
 from cyclemap.views.explorer.page import page_html
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import progress_bar, result_stem
-from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.compare import compare
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.protocol_file import protocol_text
 from cyclemap.resets import design_reset
-from cyclemap.resets.protocol.protocol_file import protocol_text
 from cyclemap.text_files import write_whole
 from cyclemap.views import compare_page, sentences
 from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of

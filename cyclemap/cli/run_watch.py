@@ -9,10 +9,10 @@ from typing import Any
 import click
 
 from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers_of
-from cyclemap.cli.options import LoopOptions, TableOptions, tell_what_was_read, told_columns
+from cyclemap.cli.options import TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.errors import InvalidInput
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction, next_action, strategy_maps, watch
 from cyclemap.resets.monitor.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page

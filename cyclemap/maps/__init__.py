@@ -31,6 +31,7 @@ Families, p → CircleMap
 -----------------------
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
+bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of two parameters
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
 orbit_diagram, OrbitDiagram : where orbits are after a transient
 
@@ -62,6 +63,11 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap.maps.estimate import Estimate
+    from cyclemap.maps.families.bifurcation_curves import (
+        BifurcationCurve,
+        bifurcation_curves,
+        follow_bifurcation,
+    )
     from cyclemap.maps.families.continuation import (
         OrbitBranch,
         bifurcations,
@@ -71,6 +77,7 @@ if TYPE_CHECKING:
         period_doublings,
         saddle_nodes,
     )
+    from cyclemap.maps.families.curve_equations import CodimensionTwo
     from cyclemap.maps.families.family import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
     from cyclemap.maps.families.long_orbits import (
         LyapunovExponents,
@@ -134,7 +141,7 @@ __all__ += ["ARNOLD_FAMILY", "MOEBIUS_FAMILY", "Bifurcation", "LyapunovExponents
 __all__ += ["ParametricLift", "RotationNumbers", "RotationPlane", "Tongue", "TongueBoundaries", "bifurcations"]
 __all__ += ["border_collisions", "follow_orbit", "lyapunov_exponent", "lyapunov_exponents", "orbit_branches"]
 __all__ += ["orbit_diagram", "period_doublings", "rotation_numbers", "rotation_plane", "saddle_nodes", "tongue"]
-__all__ += ["tongues"]
+__all__ += ["BifurcationCurve", "CodimensionTwo", "bifurcation_curves", "follow_bifurcation", "tongues"]
 __all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
 __all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
 __all__ += ["Spectrum", "TransferOperator", "transfer_operator"]

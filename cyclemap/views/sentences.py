@@ -7,11 +7,11 @@ from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
-from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
+from cyclemap.mechanics.first_touch import first_contact
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop

@@ -11,7 +11,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from cyclemap import CollectionLoop
-from cyclemap.collection.setting_table import SETTINGS
+from cyclemap.protocol.setting_table import SETTINGS
 
 
 def markdown() -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from cyclemap.cli.main import cli
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
-from cyclemap.resets.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
+from cyclemap.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SOURCES = [

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.settings import mean_pressure, with_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
@@ -42,6 +41,7 @@ from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
 from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.foundation import FloorField
+from cyclemap.mechanics.plate_footprint import mean_pressure
 from cyclemap.mechanics.quasi_static import run_strokes
 
 Rows = tuple[Array, Array]
@@ -339,5 +339,5 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, shapes and ring that were identified along with it."""
     found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
     material = Material("identified", surface.to_friction(), found_with=found)
-    changed = with_material(replace(loop, accuracy=CYCLE_ACCURACY), material)
+    changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)
     return replace(changed, footprint=surface.footprint(loop.slider))

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait
-from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER
 from cyclemap.mechanics import Ellipse
 from cyclemap.plain_text import typeset
+from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES
 from cyclemap.views import sentences
 
 CONTROLS = tuple(setting for setting in SETTINGS.values() if setting.label)

@@ -20,9 +20,9 @@ import numpy as np
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.portrait_curves import portrait_curves
-from cyclemap.collection.setting_table import SHAPES, SHARES
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
+from cyclemap.protocol.setting_table import SHAPES, SHARES
 from cyclemap.views.explorer.answers import measured, of_portrait, slider_controls, slider_values
 from cyclemap.views.portrait_page import portrait_page
 from cyclemap.views.style import render

@@ -10,7 +10,8 @@ from refusals import refused
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError
 from cyclemap.mechanics import SidePush
-from cyclemap.resets import CycleAction, ResetStrategy, read_schedule, run_strategy, write_schedule
+from cyclemap.protocol import read_schedule, write_schedule
+from cyclemap.resets import CycleAction, ResetStrategy, run_strategy
 
 LOOP = CollectionLoop.mit(accuracy=1e-6)
 LEGS = ((0.02, 0.05), (0.0, 0.05)), ((0.03, -0.04), (0.05, 0.0))

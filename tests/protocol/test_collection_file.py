@@ -9,18 +9,20 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.collection_file import FILE_NAME, collection_text, data_settings, names_surface, read_settings
-from cyclemap.collection.own_object import check_collection, first_contact, first_settings, within_reach
-from cyclemap.collection.settings import layered, warn_of_defaults, with_material
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.mechanics import Ellipse, EllipseFriction, FoundWith, Material, Polygon, load_material
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol import loop_from_file, loop_from_settings
+from cyclemap.protocol.collection_file import FILE_NAME, collection_text, data_settings, names_surface, read_settings
+from cyclemap.protocol.own_object import check_collection, first_settings, within_reach
+from cyclemap.protocol.settings import layered, warn_of_defaults
 
 BOX = Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)])
 WALNUT = Material("walnut", EllipseFriction(0.35, 0.31, 0.01, 0.0, 0.4), "made up")
 
 
 def own_loop() -> CollectionLoop:
-    return CollectionLoop.from_settings(first_settings(BOX, "box"), CollectionLoop.mit(WALNUT))
+    return loop_from_settings(first_settings(BOX, "box"), CollectionLoop.mit(WALNUT))
 
 
 def written(tmp_path, text: str):
@@ -34,7 +36,7 @@ def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         path = written(tmp_path, collection_text(own_loop(), noise=math.radians(2.0)))
-        found = CollectionLoop.from_file(path)
+        found = loop_from_file(path)
     assert (found.slider, found.push, found.pusher, found.reset) == (
         own_loop().slider, own_loop().push, own_loop().pusher, own_loop().reset,
     )  # fmt: skip
@@ -42,7 +44,7 @@ def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
     assert found.material.friction.phi == pytest.approx(0.4)
     assert read_settings(path)["noise_deg"] == pytest.approx(2.0)
     assert names_surface(path) and load_material(path).friction == found.material.friction
-    moved = CollectionLoop.from_file(path, surface="plywood")
+    moved = loop_from_file(path, surface="plywood")
     assert moved.material.name == "plywood" and moved.slider == own_loop().slider
     refused(read_settings, written(tmp_path, "[push]\npush_m = 3\n"), told="did you mean 'push_mm'", kind=DataFileError)
 
@@ -50,8 +52,8 @@ def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
 def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
     """Rod and ring, identified with the surface, are the loop's when the file is read back."""
     found = FoundWith(pusher_friction=0.2, pin_friction_radius=2e-3)
-    loop = with_material(own_loop(), replace(WALNUT, found_with=found))
-    again = CollectionLoop.from_file(written(tmp_path, collection_text(loop)))
+    loop = own_loop().with_material(replace(WALNUT, found_with=found))
+    again = loop_from_file(written(tmp_path, collection_text(loop)))
     assert again.pusher.friction == 0.2 and again.reset.pin_friction_radius == pytest.approx(2e-3, abs=1e-12)
     theta = np.linspace(0.0, 6.0, 5)
     assert again.next_theta(theta) == pytest.approx(loop.next_theta(theta), abs=1e-9)
@@ -84,7 +86,7 @@ def test_the_nearest_folder_above_data_tells_what_they_are_of_but_not_the_surfac
 @pytest.mark.parametrize("shape", ["rect1", "hex", "tri1", "ellip2"])
 @pytest.mark.parametrize(("fraction", "angle_deg"), [(0.7, 0), (0.3, 20)])
 def test_the_rod_first_touches_where_the_mechanics_begin(shape, fraction, angle_deg) -> None:
-    loop = CollectionLoop.from_settings({"shape": shape, "fraction": fraction, "angle_deg": angle_deg})
+    loop = loop_from_settings({"shape": shape, "fraction": fraction, "angle_deg": angle_deg})
     place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
     rod = loop.cycle(0.0).trajectory.push
     start = rod.pusher[0] - rod.pose[0, :2]
@@ -95,7 +97,7 @@ def test_the_rod_first_touches_where_the_mechanics_begin(shape, fraction, angle_
 
 def test_a_first_guess_turns_a_disc_too() -> None:
     """A straight push goes through a disc's centre of friction and turns it not at all: the guess slants it."""
-    disc = CollectionLoop.from_settings(first_settings(Ellipse(0.04, 0.04), "mug"), CollectionLoop.mit(WALNUT))
+    disc = loop_from_settings(first_settings(Ellipse(0.04, 0.04), "mug"), CollectionLoop.mit(WALNUT))
     straight = replace(disc, push=replace(disc.push, angle=0.0))
     assert abs(disc.cycle(0.0).push_turn) > math.radians(10.0) > abs(straight.cycle(0.0).push_turn)
 

@@ -7,13 +7,13 @@ from decimal import Decimal
 from pathlib import Path
 
 from cyclemap.checks import positive_number, whole_number
-from cyclemap.collection.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import Settings
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
+from cyclemap.protocol.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
+from cyclemap.protocol.setting_table import Settings
+from cyclemap.protocol.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
 from cyclemap.text_files import read_toml, write_whole
 
 Prediction = Mapping[str, object]
@@ -75,7 +75,7 @@ def protocol_text(
 
 
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
-    """Return the settings of a protocol file, in its units (for `CollectionLoop.from_settings`), and its strategy.
+    """Return the settings of a protocol file, in its units (for `loop_from_settings`), and its strategy.
 
     Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the strategy is None.
     Raises DataFileError, naming file, key and value, where the file is none of settings, or holds no strategy.

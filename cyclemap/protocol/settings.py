@@ -1,35 +1,30 @@
-"""What is changed of a loop: by settings in degrees and millimetres, by name, and by what a material brings along."""
+"""A loop from settings in degrees and millimetres, by name; layers of settings, and what they leave to MIT."""
 
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cyclemap.checks import finite_number
-from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES, Settings
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.mechanics import (
     Ellipse,
     Footprint,
     Material,
     PatchFootprint,
-    PlatePressure,
     PointFootprint,
     Polygon,
     PressedFootprint,
     Slider,
     parse_footprint,
 )
-from cyclemap.mechanics.foundation import FLAT, FloorField, SurfaceShape
-from cyclemap.mechanics.material import ANY_PLATE
-from cyclemap.mechanics.material_text import built_in_plates
+from cyclemap.mechanics.foundation import FLAT
 from cyclemap.mechanics.outline import Outline
+from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint, pressed_footprint
+from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES, Settings, without_noise
 from cyclemap.text_files import file_stem
-
-if TYPE_CHECKING:
-    from cyclemap.collection.loop import CollectionLoop
-
 
 # What an outline that is not MIT's is called until it is given a name.
 OWN_OUTLINE = "own outline"
@@ -76,15 +71,35 @@ def warn_of_defaults(settings: Settings) -> None:
         warnings.warn(told, DoubtfulInput, stacklevel=3)
 
 
-def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoop":
-    """Return the loop with settings replaced; a key that is none of a loop's, or a bad value, raises InvalidInput.
+def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -> CollectionLoop:
+    """Return a loop with settings in degrees and millimetres, as on the command line.
 
-    A new outline (`shape`: an MIT shape's name; `vertices_mm`: [[x, y], ...]; `semi_x_mm` with `semi_y_mm`) keeps the
-    ring unless `hitch_x_mm`, `hitch_y_mm` move it.
+    Parameters
+    ----------
+    settings : by the keys of `--set`. A new outline (`shape`: an MIT shape's name; `vertices_mm`: [[x, y], ...];
+        `semi_x_mm` with `semi_y_mm`) keeps the ring unless `hitch_x_mm`, `hitch_y_mm` move it. What files say of the
+        noise of a cycle, `noise_deg`, is checked and left aside: a loop has none.
+    base : what is not set is taken from it; None: MIT's loop on plywood.
+
+    Returns
+    -------
+    CollectionLoop
+
+    Raises
+    ------
+    InvalidInput
+        For a key that is no setting, and for a bad value.
+
+    Examples
+    --------
+    >>> loop_from_settings({"push_mm": 80, "noise_deg": 2}).push.distance
+    0.08
     """
+    settings, _ = without_noise(settings)
+    loop = base or CollectionLoop.mit()
     for key in settings:
-        if key == NOISE_KEY or key not in SETTINGS:
-            raise unknown_name("setting", key, [one for one in SETTINGS if one != NOISE_KEY])
+        if key not in SETTINGS:
+            raise unknown_name("setting", key, [known for known in SETTINGS if known != NOISE_KEY])
     with _blaming(settings, "slider"):
         slider = _slider(loop.slider, settings)
     with _blaming(settings, "material"):
@@ -105,7 +120,7 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
         return replace(loop, **parts, footprint=_footprint(loop, slider, settings))
 
 
-def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:
+def _footprint(loop: CollectionLoop, slider: Slider, settings: Settings) -> Footprint | None:
     """Return what is set; `exact` leans as the centre of mass asks; a new outline has the pressure its plate has."""
     same = slider.outline == loop.slider.outline
     found = loop.footprint if same else plate_footprint(loop.material, slider)
@@ -136,19 +151,6 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
         told = f"{shared[0]}={getattr(patch, shared[0]):g}"
         raise InvalidInput(f"{told} beside shapes of floor or object: both tell how it rests; set one of them to 0")
     return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, field)
-
-
-def mean_pressure(slider: Slider) -> float:
-    """Return an object's weight over the area of its outline, kPa."""
-    return 1e-3 * slider.weight / slider.outline.area
-
-
-def pressed_footprint(
-    slider: Slider, plate: SurfaceShape, floor: SurfaceShape, field: FloorField | None, factor: float
-) -> PressedFootprint:
-    """Return how an object rests on shapes; factor : from the unit that they are told in to its own mean pressures."""
-    varying = None if field is None else field.scaled(factor)
-    return PressedFootprint(slider.outline, plate.scaled(factor), floor.scaled(factor), slider.centre_of_mass, varying)
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
@@ -204,76 +206,3 @@ def _si(key: str, value: object) -> float:
 def _points(settings: Settings, key: str) -> tuple[tuple[float, float], ...]:
     points = SETTINGS[key].checked(settings[key])
     return tuple((_si(key, x), _si(key, y)) for x, y in points)  # type: ignore[attr-defined]
-
-
-def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop":
-    """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure."""
-    found = material.found_with
-    loop = replace(loop, material=material)
-    if found.pusher_friction is not None:
-        loop = replace(loop, pusher=replace(loop.pusher, friction=found.pusher_friction))
-    if found.pin_friction_radius is not None:
-        loop = replace(loop, reset=replace(loop.reset, pin_friction_radius=found.pin_friction_radius))
-    pressure = plate_footprint(material, loop.slider)
-    return loop if pressure is None else replace(loop, footprint=pressure)
-
-
-def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
-    """Return how an object rests on a material: by its plate, which goes by the object's name, and the floor's shape.
-
-    A plate that the material does not know has the built-in shape on a floor that has one. None where neither is known.
-    """
-    known = known_plate(material, slider)
-    shape = FLAT if known is None else known.shape
-    if not (shape.is_flat and material.has_flat_floor):
-        return pressed_footprint(slider, shape, material.floor, material.field, 1.0 / mean_pressure(slider))
-    if known is None:
-        return None
-    return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
-
-
-def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
-    """Return what is known of an object's plate: by the material, else, where its floor has a shape, built in."""
-    built_in = () if material.has_flat_floor else built_in_plates()
-    named = next((plate for plate in (*material.plates, *built_in) if plate.plate == slider.name), None)
-    return material.pressure_of(ANY_PLATE) if named is None else named
-
-
-def plate_note(material: Material, slider: Slider) -> str:
-    """Return a sentence on an object that the material does not know; empty where it does, or knows of no object.
-
-    >>> from cyclemap.mechanics import load_material
-    >>> slate = replace(load_material("plywood"), name="slate", plates=(PlatePressure("hex"),))
-    >>> plate_note(slate, Slider.mit("rect1"))
-    'rect1 was never seen on slate: a flat plate is taken'
-    """
-    knows_shapes = material.plates or not material.has_flat_floor
-    if material.pressure_of(slider.name) is not None or not knows_shapes:
-        return ""
-    known = known_plate(material, slider)
-    taken = "a flat plate is taken" if known is None else "its built-in shape, found on other floors, is taken"
-    return f"{slider.name} was never seen on {material.name}: {taken}"
-
-
-def on_surface(loop: "CollectionLoop", material: Material) -> "CollectionLoop":
-    """Return the loop on a surface that has changed, its pressure along with it unless it was set otherwise."""
-    footprint = loop.footprint
-    if footprint == plate_footprint(loop.material, loop.slider):
-        footprint = plate_footprint(material, loop.slider)
-    return replace(loop, material=material, footprint=footprint)
-
-
-def sampled_loop(loop: "CollectionLoop", number: int) -> "CollectionLoop":
-    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
-
-    Raises InvalidInput where there is no such sample.
-    """
-    stated, sample = loop.material, loop.material.sample(number)
-    bare = replace(loop, footprint=None)
-    before, after = with_material(bare, stated), with_material(bare, sample)
-    parts = {
-        name: getattr(after, name)
-        for name in ("pusher", "reset", "footprint")
-        if getattr(before, name) == getattr(loop, name)
-    }
-    return replace(loop, material=sample, **parts)

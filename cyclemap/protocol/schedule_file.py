@@ -12,11 +12,11 @@ from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, check_checksum, decimal_text, located, with_checksum
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns, write_whole
 
 PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")

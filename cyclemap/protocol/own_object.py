@@ -8,23 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.collection.collection_file import names_surface, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import SETTINGS, Settings, without_noise
-from cyclemap.collection.settings import inherited_defaults, layered
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.mechanics import (
-    Ellipse,
-    Polygon,
-    SidePush,
-    Slider,
-    grid_footprint,
-    load_material,
-)
-from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
+from cyclemap.mechanics import Ellipse, Polygon, grid_footprint, load_material
+from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.outline import Outline
+from cyclemap.protocol.collection_file import names_surface, read_settings
+from cyclemap.protocol.setting_table import SETTINGS, Settings, without_noise
+from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_settings
 
 MM = 1000.0
 # MIT's experiment by the size of its object, the square root of the plate's area: where the ring is, how far it pushes.
@@ -101,31 +93,6 @@ def _longest_outer_side(outline: Polygon) -> int:
     return max(outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side))
 
 
-def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
-
-    radius : of the rod, m. Raises InvalidInput for a side that is not there, and a place that the rod cannot touch.
-
-    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
-    >>> (1e3 * place).round(6).tolist(), (way + 0.0).tolist()
-    ([-18.0, 49.75], [0.0, -1.0])
-    """
-    outline = slider.outline
-    # It refuses what cannot be touched.
-    side_coordinate(outline, contact_curve(outline, radius).pieces, push.side, push.fraction)
-    if isinstance(outline, Ellipse):
-        angle = 2.0 * math.pi * push.fraction
-        place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])
-        inward = -np.array([math.cos(angle) / outline.semi_x, math.sin(angle) / outline.semi_y])
-    else:
-        first, second = outline.array[push.side], outline.array[(push.side + 1) % outline.sides]
-        place = first + push.fraction * (second - first)
-        inward = np.array([first[1] - second[1], second[0] - first[0]])
-    x, y = inward / math.hypot(*inward)
-    c, s = math.cos(push.angle), math.sin(push.angle)
-    return place - radius * np.array([x, y]), np.array([c * x - s * y, s * x + c * y])
-
-
 @dataclass(frozen=True)
 class Finding:
     """What is wrong, or likely so, in plain words: `wrong` where nothing can be computed with it."""
@@ -166,7 +133,7 @@ def check_collection(path: str | Path) -> CheckedCollection:
         warnings.simplefilter("always", DoubtfulInput)
         try:
             material = load_material(path if has_surface else "isotropic")
-            loop = CollectionLoop.from_settings(layered(settings), CollectionLoop.mit(material))
+            loop = loop_from_settings(layered(settings), CollectionLoop.mit(material))
             first_contact(loop.slider, loop.push, loop.pusher.radius)
             _ = loop.model
         except InvalidInput as error:

@@ -9,17 +9,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from cyclemap.cli.options import LoopOptions
-from cyclemap.collection.collection_file import data_settings, names_surface, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import SETTINGS, setting_named, without_noise
-from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
+from cyclemap.protocol.collection_file import data_settings, names_surface, read_settings
+from cyclemap.protocol.protocol_file import read_protocol
+from cyclemap.protocol.setting_table import SETTINGS, setting_named, without_noise
+from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
+from cyclemap.protocol.strategy import ResetStrategy, one_loop, overruled_settings
 
-if TYPE_CHECKING:
-    from cyclemap.resets import ResetStrategy
+
+@dataclass(frozen=True)
+class LoopOptions:
+    """Which loop a command is about; material: None where none was named, which stands for isotropic friction."""
+
+    material: str | None
+    protocol: Path | None
+    settings: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -38,8 +44,6 @@ class ChosenCollection:
         """The same, a strategy that does the same in every cycle made part of the loop."""
         if self.strategy is None:
             return self
-        from cyclemap.resets.design.strategy import one_loop
-
         fixed = one_loop(self.loop, self.strategy)
         return self if fixed is None else ChosenCollection(fixed, self.sigma, None)
 
@@ -62,7 +66,7 @@ def chosen_loop(options: LoopOptions, data: Path | None = None) -> tuple[Collect
 def loop_beside(data: Path) -> CollectionLoop | None:
     """The loop that a collection file in the folder of data tells, on isotropic friction; None without one."""
     settings = data_settings(data)
-    return CollectionLoop.from_settings(settings, CollectionLoop.mit("isotropic")) if settings else None
+    return loop_from_settings(settings, CollectionLoop.mit("isotropic")) if settings else None
 
 
 def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
@@ -77,10 +81,8 @@ def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenC
     settings, sigma = without_noise(settings)
     base = CollectionLoop.mit(material=material or "isotropic")
     warn_of_defaults(settings)
-    loop = CollectionLoop.from_settings(settings, base)
+    loop = loop_from_settings(settings, base)
     if strategy is not None:
-        from cyclemap.resets.design.strategy import overruled_settings
-
         lost = [key for key in own if key in overruled_settings(strategy)]
         if lost:
             raise InvalidInput(
@@ -113,9 +115,6 @@ def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy 
     path = options.protocol or (Path(str(options.material)) if is_file else None)
     if path is None:
         return {}, None
-    # Strategies take a while to load, and only a file can name one.
-    from cyclemap.resets.protocol.protocol_file import read_protocol
-
     settings, strategy = read_protocol(path)
     return (settings if path == options.protocol else {}), strategy
 

@@ -17,8 +17,9 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.mechanics import DragBack, Ellipse, PatchFootprint, PointFootprint, Polygon, Pusher, SidePush, Slider
 from cyclemap.mechanics.footprint import grid_footprint
-from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs, read_protocol, write_protocol
-from cyclemap.resets.protocol.protocol_file import protocol_text
+from cyclemap.protocol import loop_from_settings, read_protocol, write_protocol
+from cyclemap.protocol.protocol_file import protocol_text
+from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs
 
 LOOP = CollectionLoop.mit()
 
@@ -61,7 +62,7 @@ def test_every_strategy_comes_back_from_its_file_and_acts_alike(tmp_path) -> Non
         settings, found = read_protocol(path)
         assert found == strategy
         assert found.run(20, seed=4) == strategy.run(20, seed=4)
-        assert CollectionLoop.from_settings(settings, LOOP) == LOOP
+        assert loop_from_settings(settings, LOOP) == LOOP
         assert [entry.name for entry in tmp_path.iterdir()] == ["protocol.toml"]
 
 
@@ -103,7 +104,7 @@ def test_a_loop_comes_back_and_runs_the_same_cycle(tmp_path) -> None:
     for loop in LOOPS.values():
         write_protocol(path, loop, None)
         settings, strategy = read_protocol(path)
-        found = CollectionLoop.from_settings(settings, CollectionLoop.mit(loop.material))
+        found = loop_from_settings(settings, CollectionLoop.mit(loop.material))
         assert strategy is None
         assert found.cycle(0.7).theta_next == pytest.approx(loop.cycle(0.7).theta_next, abs=1e-9)
         assert found.push.side == loop.push.side
@@ -190,11 +191,11 @@ def test_what_could_not_be_read_back_leaves_the_file_as_it_was(protocol_file) ->
 
 def test_settings_that_a_protocol_gives_make_its_loop_its_noise_among_them(tmp_path) -> None:
     """In the digits that they were set in: 0.01378 m are no 13.780000000000001 mm."""
-    loop = CollectionLoop.from_settings({"hitch_x_mm": 13.78, "hitch_y_mm": 4.1, "push_mm": 13.78})
+    loop = loop_from_settings({"hitch_x_mm": 13.78, "hitch_y_mm": 4.1, "push_mm": 13.78})
     write_protocol(tmp_path / "it.toml", loop, None, noise=math.radians(2.0))
     text, settings = (tmp_path / "it.toml").read_text(), read_protocol(tmp_path / "it.toml")[0]
     assert text.count("= 13.78\n") == 2 and settings["noise_deg"] == pytest.approx(2.0)
-    found = CollectionLoop.from_settings(settings)
+    found = loop_from_settings(settings)
     assert (found.slider.hitch, found.push) == (loop.slider.hitch, loop.push)
     with pytest.raises(InvalidInput, match="noise_deg"):
-        CollectionLoop.from_settings({"noise_deg": -1.0})
+        loop_from_settings({"noise_deg": -1.0})

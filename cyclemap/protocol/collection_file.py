@@ -18,7 +18,22 @@ import numpy as np
 
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import (
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
+from cyclemap.maps import WrappedNormal
+from cyclemap.mechanics import (
+    Ellipse,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    PressedFootprint,
+    Slider,
+    load_material,
+    parse_footprint,
+)
+from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
+from cyclemap.protocol.setting_table import (
     ALWAYS,
     NOISE_KEY,
     OWN,
@@ -30,21 +45,7 @@ from cyclemap.collection.setting_table import (
     setting_named,
     without_noise,
 )
-from cyclemap.collection.settings import OWN_OUTLINE
-from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.file_text import MILLIMETRES, NUMBER, Table, Unit, check_checksum, located, toml_text
-from cyclemap.maps import WrappedNormal
-from cyclemap.mechanics import (
-    Ellipse,
-    PatchFootprint,
-    PointFootprint,
-    Polygon,
-    PressedFootprint,
-    Slider,
-    parse_footprint,
-)
-from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
-from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
+from cyclemap.protocol.settings import OWN_OUTLINE, loop_from_settings, warn_of_defaults
 from cyclemap.text_files import key_place, read_text, read_toml
 
 # A loop read back may differ by rounding: settings are doubles in millimetres and degrees.
@@ -76,7 +77,7 @@ def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None 
     # An own object's ring is told in any case: MIT's would lie beside it.
     hitch = zip(("hitch_x_mm", "hitch_y_mm"), loop.slider.hitch, strict=True)
     ring = {key: _written(MILLIMETRES, value) for key, value in hitch} if own else {}
-    start = CollectionLoop.from_settings(plain_numbers({**shape, **ring}), base)
+    start = loop_from_settings(plain_numbers({**shape, **ring}), base)
     told = {**shape, **_footprint(loop, start)}
     for setting in _READ_OFF:
         always = setting.told == ALWAYS or (own and setting.told == OWN)
@@ -88,7 +89,7 @@ def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None 
         name: {key: told[key] for key, setting in SETTINGS.items() if key in told and setting.group in groups}
         for name, groups in _TABLES.items()
     }
-    found = CollectionLoop.from_settings(plain_numbers(told), base)
+    found = loop_from_settings(plain_numbers(told), base)
     lost = [] if _same(loop.slider.outline_points(8), found.slider.outline_points(8)) else ["outline"]
     lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
     # A footprint that is left to the centre of mass is compared as what it comes to.
@@ -184,7 +185,7 @@ _FOLDERS_UP = 4
 
 
 def read_settings(path: str | Path) -> Settings:
-    """Return the settings of a file, in its units, for `CollectionLoop.from_settings`; `noise_deg` among them.
+    """Return the settings of a file, in its units, for `loop_from_settings`; `noise_deg` among them.
 
     They stand in tables of any name. A surface's own keys and tables are passed over; a table [friction] is one where
     it has both mu_a and mu_b, and settings otherwise.
@@ -218,6 +219,39 @@ def _is_surface(name: str, table: object) -> bool:
 def names_surface(path: str | Path) -> bool:
     """Whether a file tells a whole surface, as a material file does."""
     return any(_is_surface(*entry) for entry in read_toml(path).items())
+
+
+def loop_from_file(path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
+    """Return the loop of a collection file, such as `cyclemap init` writes.
+
+    Parameters
+    ----------
+    path : the file. What it does not say is MIT's; where its object is not, a `DoubtfulInput` warning tells what
+        that is.
+    surface : a material, or a material file, in place of the file's own; without either, isotropic friction.
+
+    Returns
+    -------
+    CollectionLoop
+
+    Raises
+    ------
+    DataFileError
+        For a file that is no collection.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     text = collection_text(loop_from_settings({"push_mm": 80}))
+    ...     count = Path(folder, "mine.toml").write_text(text)
+    ...     loop_from_file(f"{folder}/mine.toml").push.distance
+    0.08
+    """
+    settings = read_settings(path)
+    material = load_material(surface or (path if names_surface(path) else "isotropic"))
+    warn_of_defaults(settings)
+    return loop_from_settings(settings, CollectionLoop.mit(material))
 
 
 def data_settings(data: str | Path) -> Settings:

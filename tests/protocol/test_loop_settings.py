@@ -6,7 +6,6 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHAPES
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.mechanics import (
     PatchFootprint,
@@ -17,6 +16,8 @@ from cyclemap.mechanics import (
     grid_footprint,
     resting_pressure,
 )
+from cyclemap.protocol import loop_from_settings
+from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES
 
 MIT = CollectionLoop.mit()
 
@@ -49,7 +50,7 @@ def test_every_setting_reaches_its_place_in_si_units_and_no_other():
     others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint", *SHAPES}
     assert set(PLACES) | others | {NOISE_KEY} == set(SETTINGS)
     for key, (value, read, wanted) in PLACES.items():
-        loop = CollectionLoop.from_settings({key: value})
+        loop = loop_from_settings({key: value})
         assert read(loop) == pytest.approx(wanted, rel=1e-15)
         for other, (_, read_other, _) in PLACES.items():
             assert other == key or read_other(loop) == read_other(MIT)
@@ -64,17 +65,17 @@ def test_shapes_of_floor_and_plate_reach_the_footprint_in_mean_pressures():
         "plate_warp": 0.5,
         "plate_warp_deg": 45,
     }
-    footprint = CollectionLoop.from_settings(both).footprint
+    footprint = loop_from_settings(both).footprint
     assert footprint == PressedFootprint(
         MIT.slider.outline, SurfaceShape(-1.0, 0.5, math.pi / 4), SurfaceShape(2.0, 3.0, math.pi / 2), (0.0, 0.0)
     )
     flat = dict.fromkeys(both, 0)
-    assert CollectionLoop.from_settings(flat, CollectionLoop.from_settings(both)).footprint is None
+    assert loop_from_settings(flat, loop_from_settings(both)).footprint is None
 
 
 def test_a_heavier_object_has_less_of_a_shape_and_rests_more_evenly():
-    light = CollectionLoop.from_settings({"floor_dome": 2, "floor_bow": 2})
-    heavy = CollectionLoop.from_settings({"mass_kg": 3 * light.slider.mass}, light)
+    light = loop_from_settings({"floor_dome": 2, "floor_bow": 2})
+    heavy = loop_from_settings({"mass_kg": 3 * light.slider.mass}, light)
     assert heavy.footprint.floor.dome == pytest.approx(2 / 3, rel=1e-15)
     corner, middle = ([(0.045, 0.045)], [(0.0, 0.0)])
     contrast = [
@@ -95,55 +96,55 @@ def test_a_heavier_object_has_less_of_a_shape_and_rests_more_evenly():
 )
 def test_shapes_that_cannot_be_are_refused_by_name(settings, words):
     with pytest.raises(InvalidInput, match=words):
-        CollectionLoop.from_settings(settings)
+        loop_from_settings(settings)
 
 
 def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():
-    named = CollectionLoop.from_settings({"shape": "tri1"})
+    named = loop_from_settings({"shape": "tri1"})
     assert named.slider.outline == Slider.mit("tri1").outline
-    own = CollectionLoop.from_settings({"vertices_mm": [[-40, -10], [60, -10], [-40, 40]]})
+    own = loop_from_settings({"vertices_mm": [[-40, -10], [60, -10], [-40, 40]]})
     assert own.slider.outline.vertices == ((-0.04, -0.01), (0.06, -0.01), (-0.04, 0.04))
-    ellipse = CollectionLoop.from_settings({"semi_x_mm": 50, "semi_y_mm": 70})
+    ellipse = loop_from_settings({"semi_x_mm": 50, "semi_y_mm": 70})
     assert (ellipse.slider.outline.semi_x, ellipse.slider.outline.semi_y) == pytest.approx((0.05, 0.07))
     for loop in (named, own, ellipse):
         assert loop.slider.hitch == MIT.slider.hitch
         assert loop.slider.centre_of_mass == loop.slider.outline.centroid
         assert loop.cycle(0.3).ended in ("distance", "left")
-    moved = CollectionLoop.from_settings({"shape": "hex", "hitch_x_mm": 1, "hitch_y_mm": 2})
+    moved = loop_from_settings({"shape": "hex", "hitch_x_mm": 1, "hitch_y_mm": 2})
     assert moved.slider.hitch == pytest.approx((0.001, 0.002))
 
 
 def test_footprints_are_those_of_the_outline_that_is_set():
-    square = CollectionLoop.from_settings({"footprint": "grid:8"})
+    square = loop_from_settings({"footprint": "grid:8"})
     assert square.footprint == grid_footprint(Slider.mit("rect1").outline, 8)
-    both = CollectionLoop.from_settings({"shape": "hex", "footprint": "corners"})
+    both = loop_from_settings({"shape": "hex", "footprint": "corners"})
     assert both.footprint == corner_footprint(Slider.mit("hex").outline)
-    assert CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 40}, square).footprint is None
+    assert loop_from_settings({"semi_x_mm": 40, "semi_y_mm": 40}, square).footprint is None
 
 
 def test_the_exact_footprint_leans_as_the_centre_of_mass_asks_and_keeps_its_rim_share_until_it_is_set_anew():
-    even = CollectionLoop.from_settings({"footprint": "exact"}, CollectionLoop.from_settings({"footprint": "grid:8"}))
+    even = loop_from_settings({"footprint": "exact"}, loop_from_settings({"footprint": "grid:8"}))
     assert even.model.pressure == PatchFootprint(Slider.mit("rect1").outline)
-    both = CollectionLoop.from_settings({"rim_share": 0.3, "centre_x_mm": 4})
+    both = loop_from_settings({"rim_share": 0.3, "centre_x_mm": 4})
     assert both.model.pressure.rim_share == 0.3
     assert both.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
-    more = CollectionLoop.from_settings({"rim_share": 0.2, "pin_friction_mm": 1}, both)
+    more = loop_from_settings({"rim_share": 0.2, "pin_friction_mm": 1}, both)
     assert more.model.pressure == PatchFootprint(Slider.mit("rect1").outline, rim_share=0.2, centre=(0.004, 0.0))
-    assert CollectionLoop.from_settings({"way_points_mm": [[10, 20]]}, more).reset.pin_friction_radius == 0.001
-    assert CollectionLoop.from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
+    assert loop_from_settings({"way_points_mm": [[10, 20]]}, more).reset.pin_friction_radius == 0.001
+    assert loop_from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
-    base = CollectionLoop.from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
-    loop = CollectionLoop.from_settings({"push_mm": 80}, base)
+    base = loop_from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
+    loop = loop_from_settings({"push_mm": 80}, base)
     assert loop.pusher.friction == 0.4
     assert loop.reset.way_points == ((0.01, 0.02),)
-    assert CollectionLoop.from_settings({}) == MIT
+    assert loop_from_settings({}) == MIT
 
 
 def test_a_changed_material_says_so_and_an_unchanged_one_does_not():
-    assert CollectionLoop.from_settings({"mu_a": 0.3}).material.name == "plywood (changed)"
-    assert CollectionLoop.from_settings({"mu_a": 0.2545}).material.name == "plywood"
+    assert loop_from_settings({"mu_a": 0.3}).material.name == "plywood (changed)"
+    assert loop_from_settings({"mu_a": 0.2545}).material.name == "plywood"
 
 
 BAD = [
@@ -179,4 +180,4 @@ def test_bad_settings_are_refused_by_name_in_one_line():
     for settings, told in BAD:
         refused(CollectionLoop.from_settings, settings, told=told)
     for settings in ({"side": 4}, {"shape": "ellip1", "side": 1}):
-        refused(CollectionLoop.from_settings(settings).cycle, 0.0, told="does not exist", kind=CycleMapError)
+        refused(loop_from_settings(settings).cycle, 0.0, told="does not exist", kind=CycleMapError)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.collection import outline_files
-from cyclemap.collection.outline_files import read_outline
 from cyclemap.errors import DataFileError
+from cyclemap.protocol import outline_files
+from cyclemap.protocol.outline_files import read_outline
 
 pytest.importorskip("svgpathtools")
 pytest.importorskip("ezdxf")
