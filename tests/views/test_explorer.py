@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 import cyclemap as cm
 from cyclemap.cli.main import cli
 from cyclemap.mechanics.browser_tables import browser_tables
-from cyclemap.protocol import read_protocol
+from cyclemap.protocol import loop_from_settings, read_protocol
 from cyclemap.protocol.chosen_loop import set_settings
 from cyclemap.views.explorer.answers import slider_controls, slider_values
 
@@ -66,7 +66,7 @@ def written(folder, *words):
 
 
 def loop_of(material, settings):
-    return cm.protocol.loop_from_settings(settings, cm.CollectionLoop.mit(material=material))
+    return loop_from_settings(settings, cm.CollectionLoop.mit(material=material))
 
 
 def fixed_points(loop):
