@@ -62,7 +62,7 @@ class StationaryLaw:
             raise ConvergenceError(_NOT_UNIQUE)
         return found
 
-    def _dual(self, moments: Array) -> Array:
+    def dual(self, moments: Array) -> Array:
         """w_j = ∫ z φ_j of the z with z - Pz = h - E h (Poisson's equation), from ``moments`` ∫ h φ_j.
 
         P = L* is the backward operator, (Pz)(θ) = E z(F(θ) + ξ); z's mean over the circle is 0. Columns of several
@@ -118,7 +118,7 @@ class StationaryLaw:
 
     def _dual_bound(self, moments: Array) -> float:
         """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's higher modes."""
-        return 2.0 * float(np.max(np.abs(self._dual(moments)), initial=1.0)) * self.error[2]
+        return 2.0 * float(np.max(np.abs(self.dual(moments)), initial=1.0)) * self.error[2]
 
     def moment_error(self, order: int) -> float:
         """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included."""
@@ -141,7 +141,7 @@ class StationaryLaw:
         if epsilon == 0.0:
             return 0.0
         theta, weight = basis.rule
-        dual = self._dual(moments)
+        dual = self.dual(moments)
         if isinstance(basis, FourierDiscretisation):
             mass = weight * np.abs(basis.on_nodes(self.coefficients))
             return epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))
@@ -163,7 +163,7 @@ class StationaryLaw:
         theta, weight = basis.rule
         mass = weight * np.abs(basis.on_nodes(self.coefficients))
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
-        slopes = np.abs(basis.expected_slope(self._dual(basis.evaluate(where).T), at=theta[held]))
+        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where).T), at=theta[held]))
         return np.asarray(epsilon * (mass[held] @ slopes))
 
     def expectation(
@@ -219,7 +219,7 @@ class StationaryLaw:
         theta, weight = basis.rule
         turn, mass = basis.map.turn(theta), weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
-        dual = self._dual(moments_against(basis, theta, weight * turn))
+        dual = self.dual(moments_against(basis, theta, weight * turn))
         later = (basis.kappa * dual) @ waves(basis.map(theta), basis.modes)  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
         found = 0.5 * correlated + basis.noise.variance * (0.5 + float(np.dot(mass, basis.expected_slope(dual))))

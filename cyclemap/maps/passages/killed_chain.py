@@ -291,6 +291,13 @@ class Expectation:
         """X(θ)."""
         return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
 
+    def growth(self, images: Array, chain: KilledChain) -> Array:
+        """How fast c + ∫ g(y - F) X dy grows with F alone, at ``images``; the integral on the nodes of ``chain``."""
+        around = self.values_at(chain.images)[1]
+        gap = chain.theta - images[:, None]
+        pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
+        return np.asarray((self.at - self.top) @ chain.departure_slopes(images) - pushed)
+
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's ``max_error``.
 
@@ -311,10 +318,7 @@ class Expectation:
         residual, size = np.where(size <= other_size, residual, other), np.minimum(size, other_size)
         padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
         widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
-        # How fast c + ∫ g(y - F) X dy grows with F alone.
-        gap = fine.theta - images[:, None]
-        pushed = chain.noise.slope(gap, chain.lifted) * fine.weight @ on_fine[1]
-        slope = np.abs((self.at - self.top) @ fine.departure_slopes(images) - pushed)
+        slope = np.abs(self.growth(images, fine))
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
         own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))

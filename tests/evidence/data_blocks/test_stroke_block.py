@@ -15,6 +15,7 @@ from cyclemap.evidence import (
     SurfaceParameters,
     cycle_pair_block,
     drag_turn_block,
+    identify,
     push_end_block,
 )
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, loop_on, predicted_push_ends, surface_model
@@ -157,6 +158,20 @@ def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothin
     assert not predicted_push_ends(model, [missing])[0].any()
     deep = replace(inside, tip_start=(0.0, 0.0), tip_end=(0.001, 0.0))
     refused(predicted_push_ends, model, [deep], told="deep inside")
+
+
+def test_strokes_after_which_the_fit_leaves_the_object_where_it_was_are_told() -> None:
+    pushes = made_pushes(8)
+    missed = [replace(push, tip_start=(1.0, float(k)), tip_end=(1.1, float(k))) for k, push in enumerate(pushes[:2])]
+    held = {name: value for name, value in VALUES.items() if name != "pusher_friction"}
+    notes = []
+    for strokes in (pushes, [*pushes[2:], *missed]):
+        block = push_end_block(strokes, RECT1)
+        asked = {name: value for name, value in held.items() if name in block.parameters}
+        found = identify([block], ["pusher_friction"], asked, starts=1)
+        notes.append([note for note in found.notes if "leaves" in note])
+    (note,) = notes[1]
+    assert notes[0] == [] and note.startswith("push ends: in 2 of 8 the fit leaves the object where it was")
 
 
 def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
