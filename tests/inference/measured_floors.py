@@ -30,7 +30,7 @@ from cyclemap.evidence import (
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
-from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import held_values, known_beliefs, known_shapes, known_spread
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE, SurfaceParameters
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -95,7 +95,7 @@ def fitted(
     loop = CollectionLoop.mit("isotropic")
     chosen: dict[str, str | float] = {"surface": floor} | ({"object": plates[0]} if len(plates) == 1 else {})
     collected = collected_blocks(data, loop, chosen, most=most, population=known is not None, target=TARGET)
-    blocks = [one for one in collected.blocks if of_plates(one.name, plates)]
+    blocks = of_plates(collected.blocks, plates)
     free = telling_parameters(blocks, of_known_floor=True)
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
     fixed |= {"pin_friction_radius": PIN} if drags else {}
@@ -133,8 +133,13 @@ def begun(blocks: Sequence[DataBlock], begin: Material | None, plate: str) -> tu
     return changed, ParameterSpace(tuple(map(started, SURFACE.parameters)))
 
 
-def of_plates(block: str, plates: Sequence[str]) -> bool:
-    return block == "sessions" or block.split()[0] in plates or block.split()[0] in ("push", "drag-backs")
+def of_plates(blocks: Sequence[DataBlock], plates: Sequence[str]) -> list[DataBlock]:
+    """The blocks of some of the plates, and how their sessions differ; all blocks of all plates."""
+    if len(plates) in (1, len(PLATES)):
+        return list(blocks)
+    kept = [block for block in blocks if block.name.split()[0] in plates]
+    names = {name for block in kept for name in block.parameters if name.startswith("floor_dome[")}
+    return [*kept, session_block(sorted(name.partition("[")[2].rstrip("]") for name in names))]
 
 
 def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[MeasuredPush]:
