@@ -17,8 +17,8 @@ from cyclemap.evidence.identification.data_block import BELIEF_KINDS, JointProbl
 _LEAST_NOISE = 1e-9
 # A kind with fewer rows left over, once the parameters took their share, does not tell its noise.
 _LEAST_REDUNDANCY = 0.5
-# The noise of a problem made linear stands still at a change below this share.
-_WEIGHTINGS, _SETTLED = 40, 1e-3
+# The noise of given residuals stands still at a change below this share, which takes a dozen rounds.
+_WEIGHTINGS, _SETTLED = 100, 1e-4
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
 # The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
@@ -214,34 +214,30 @@ class Search:
         """Return the next estimate (kinds,) of the noise, above `floor`: the residuals' squares over their redundancy.
 
         The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
-        matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Those fits
-        are of the problem made linear, and cost nothing; the next search tells how far that holds. Rows count as the
-        noise found makes them count. Raises ConvergenceError where the parameters follow all rows of a kind, so that
-        its noise cannot be told.
+        matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count
+        as the noise found makes them count. Raises ConvergenceError where the parameters follow all rows of a kind, so
+        that its noise cannot be told.
         """
         index, names, noise, held = self.problem.kind_index, self.problem.kind_names, fit.noise, self.held
-        residuals, free = fit.residuals, ~np.isin(self.problem.space.names, fit.on_bounds)
+        weight = self.law.weight((fit.residuals / noise[index]) ** 2)
+        weighed = fit.jacobian / noise[index, None] * np.sqrt(weight)[:, None]
+        length = np.linalg.norm(weighed, axis=0)
+        left, values, _ = np.linalg.svd(weighed[:, length > 0.0] / length[length > 0.0], full_matrices=False)
+        leverage = np.sum(left[:, values > 1e-10 * np.max(values, initial=0.0)] ** 2, axis=1)
+        redundancy = np.bincount(index, 1.0 - leverage, len(names))
+        for kind in np.flatnonzero((redundancy < _LEAST_REDUNDANCY) & np.isnan(held)).tolist():
+            raise ConvergenceError(
+                f"the parameters can follow all rows of {names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
+                "give its noise, or more data"
+            )
+        # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told anew after the fit.
         for _ in range(_WEIGHTINGS):
-            root = np.sqrt(self.law.weight((residuals / noise[index]) ** 2)) / noise[index]
-            weighed = fit.jacobian * root[:, None]
-            length = np.linalg.norm(weighed, axis=0)
-            seen = length > 0.0
-            left, values, right = np.linalg.svd(weighed[:, seen] / length[seen], full_matrices=False)
-            told = values > 1e-10 * np.max(values, initial=0.0)
-            redundancy = np.bincount(index, 1.0 - np.sum(left[:, told] ** 2, axis=1), len(names))
-            for kind in np.flatnonzero((redundancy < _LEAST_REDUNDANCY) & np.isnan(held)).tolist():
-                raise ConvergenceError(
-                    f"the parameters can follow all rows of {names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
-                    "give its noise, or more data"
-                )
-            square = np.bincount(index, (root * noise[index] * residuals) ** 2, len(names))
+            square = np.bincount(index, weight * fit.residuals**2, len(names))
             found = np.maximum(np.sqrt(square / np.maximum(redundancy, _LEAST_REDUNDANCY)), floor)
             before, noise = noise, np.where(np.isnan(held), found, held)
             if np.max(np.abs(np.log(noise / before))) < _SETTLED:
                 break
-            step = np.zeros(len(seen))
-            step[seen] = right[told].T @ (left[:, told].T @ (root * fit.residuals) / values[told]) / length[seen]
-            residuals = fit.residuals - fit.jacobian @ np.where(free, step, 0.0)
+            weight = self.law.weight((fit.residuals / noise[index]) ** 2)
         return noise
 
 
