@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.json_report import Json, actions_report, degrees
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.mechanics import load_material
+from cyclemap.protocol import write_protocol, write_schedule
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.resets import (
     MaterialRange,
     ResetDemands,
@@ -16,8 +16,6 @@ from cyclemap.resets import (
     ResetRow,
     design_reset,
     material_range,
-    write_protocol,
-    write_schedule,
 )
 from cyclemap.views.reset_page import (
     COLUMNS,

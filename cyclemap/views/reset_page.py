@@ -15,8 +15,8 @@ from matplotlib.ticker import PercentFormatter
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.mechanics import SidePush
+from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.resets import (
     CycleAction,
     MaterialRange,

@@ -17,8 +17,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.own_object import first_settings, within_reach
 from cyclemap.mechanics import Material, Polygon, material_names
+from cyclemap.protocol import loop_from_settings
+from cyclemap.protocol.own_object import first_settings, within_reach
 from cyclemap.resets import (
     ResetDesign,
     design_reset,
@@ -67,7 +68,7 @@ def main(names: list[str]) -> None:
     """Design the resets and set them beside the mechanics."""
     for name in names or [*material_names(), *OBJECTS]:
         loop = CollectionLoop.mit(name.partition(",")[0])
-        loop = CollectionLoop.from_settings(OBJECTS.get(name, {}), loop)
+        loop = loop_from_settings(OBJECTS.get(name, {}), loop)
         loop = within_reach(loop) if "box" in name else loop
         begun = time.process_time()
         design = design_reset(loop)

@@ -102,7 +102,7 @@ def test_a_loop_on_another_material_is_what_that_material_makes_of_it() -> None:
         sample = SLATE.sample(k)
         made, expected = on_material(cm.CollectionLoop.mit(SLATE), sample), cm.CollectionLoop.mit(sample)
         assert made == expected
-    own = cm.CollectionLoop.from_settings({"pusher_mu": 0.3, "footprint": "grid:8"}, cm.CollectionLoop.mit(SLATE))
+    own = cm.protocol.loop_from_settings({"pusher_mu": 0.3, "footprint": "grid:8"}, cm.CollectionLoop.mit(SLATE))
     moved = on_material(own, SLATE.sample(69))
     assert (moved.pusher, moved.footprint) == (own.pusher, own.footprint)
     assert moved.reset != own.reset

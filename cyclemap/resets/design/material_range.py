@@ -13,9 +13,9 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import plate_footprint
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.mechanics.plate_footprint import plate_footprint
 
 AXES, OFFSETS = 0.10, 0.50
 # Samples of a posterior that a reset is searched on, and others that it is judged on: the fewest of which the worst is

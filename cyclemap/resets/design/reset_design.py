@@ -14,6 +14,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
+from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
 from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, room_needed, sample_turns, seconds
 from cyclemap.resets.design.material_range import MaterialRange, material_range
 from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
@@ -40,12 +41,7 @@ from cyclemap.resets.design.reset_ranking import (
     picked,
 )
 from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
-from cyclemap.resets.design.strategy import (
-    IN_TURN,
-    RANDOM,
-    RING,
-    SHUFFLED,
-    ResetStrategy,
+from cyclemap.resets.design.strategy_run import (
     histogram_distances,
     histogram_shares,
     independent_distance,

@@ -13,9 +13,10 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy
 from cyclemap.resets.design.action_cycles import room_needed, seconds
 from cyclemap.resets.design.reset_search import Candidates
-from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy, independent_distance
+from cyclemap.resets.design.strategy_run import independent_distance
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.

@@ -11,6 +11,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import mean_error, pooled_quantities, push_agreements, within_error
 from cyclemap.mechanics import MaterialPosterior
+from cyclemap.protocol import loop_from_settings
 
 THETA = np.linspace(0.1, 6.1, 12)
 
@@ -49,7 +50,7 @@ def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(loop, 
 
 def test_place_direction_length_and_object_of_a_push_are_the_datas(loop, written) -> None:
     other = replace(loop, push=replace(loop.push, fraction=0.6, angle=0.2, distance=0.05))
-    hexagon = CollectionLoop.from_settings({"shape": "hex"}, loop)
+    hexagon = loop_from_settings({"shape": "hex"}, loop)
     rows = own_pushes(loop, THETA) + own_pushes(other, THETA[:5], s=0.6, t=0.2, push_mm=50)
     rows += own_pushes(hexagon, THETA[:4], shape="hex") + own_pushes(loop, THETA[:3], shape="teapot")
     for given in (loop, other, hexagon):

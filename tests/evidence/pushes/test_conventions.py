@@ -9,12 +9,12 @@ from foreign_tables import CONVENTIONS, agrees, loop, thirty, truth
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.collection.own_object import first_contact
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
 from cyclemap.evidence.pushes.conventions import Convention
 from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
+from cyclemap.mechanics.first_touch import first_contact
 
 pandas = pytest.importorskip("pandas")
 
@@ -180,7 +180,7 @@ def test_a_collection_file_says_it_for_all_data_beside_it(tmp_path) -> None:
     file.write_text(f'{file.read_text()}\n[data]\nangles = "clockwise"\nframe = "mirrored"\n')
     pushes = cm.load_pushes(path)
     assert agrees({key: pushes.table[key].to_numpy() for key in _NAMES}, table)
-    assert check_pushes(pushes, cm.CollectionLoop.from_file(file))
+    assert check_pushes(pushes, cm.protocol.loop_from_file(file))
     file.write_text(file.read_text().replace("mirrored", "mirorred"))
     refused(cm.load_pushes, path, told="did you mean 'mirrored'")
 

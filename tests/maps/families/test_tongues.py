@@ -53,7 +53,7 @@ SOME = [(1, 2), (1, 3), (1, 4), (2, 5), (3, 8), (5, 13), (4, 21), (13, 34), (11,
 def test_edges_agree_with_the_extended_system_in_extended_precision(p, q):
     for K in (0.9, 1.0):
         found = tongue(arnold(K), (p, q), WIDE)
-        for edge, theta in ((found.left, found.left_theta), (found.right, found.right_theta)):
+        for edge, theta in ((found.left, found.left_orbit[0]), (found.right, found.right_orbit[0])):
             exact, residual = exact_edge(K, Fraction(p, q), edge, theta)
             assert residual < 1e-13
             assert abs(edge - exact) <= edge.error_bound < 1e-14
@@ -109,7 +109,7 @@ def test_a_bump_is_found_wherever_it_lies(width, height, slopes):
         family = bumped(place, width, height, slopes=slopes)
         found = tongue(family, 0, (-0.5, 0.6))
         assert found.left.holds(-height / TWO_PI)
-        assert abs(found.left_theta - place) < 1e-6 or height > 8e-4
+        assert abs(found.left_orbit[0] - place) < 1e-6 or height > 8e-4
         assert found.folded == (height > 8e-4)
         assert len(fixed_points(family(found.left + 1e-7))) == 2
         assert not fixed_points(family(found.left - 1e-7))
@@ -191,3 +191,36 @@ def test_tongues_are_disjoint_and_in_the_order_of_their_ratios(K):
     for before, after in pairwise(edges):
         assert before.left <= before.right
         assert before.right.upper < after.left.lower
+
+
+def dropping(omega):
+    """A sampled map of slopes of 0.8 and more that jumps down at 2."""
+    lifted = np.array([0.7, 2.3, 1.6, 3.8, 6.5]) + TWO_PI * omega
+    return CircleMap.from_samples([0, 2, 2, 4, 6], lifted, [0.8] * 5)
+
+
+@pytest.mark.parametrize(
+    ("family", "ratio", "kinds"),
+    [
+        (arnold(0.9), (2, 5), "saddle-node"),
+        (arnold(3.0), (1, 2), "saddle-node"),
+        (tent, 0, "border-collision"),
+        (partial(contraction, 0.5), (1, 2), "border-collision"),
+        (dropping, 0, "saddle-node"),
+        (dropping, (1, 2), "border-collision"),
+    ],
+)
+def test_an_edge_says_what_meets_there_with_its_orbit(family, ratio, kinds):
+    """A saddle-node's orbit closes and has a multiplier of 1; a border collision's visits a break."""
+    found = tongue(family, ratio, (-1.0, 2.0))
+    assert (found.left_kind, found.right_kind) == (kinds, kinds)
+    for edge, orbit in ((found.left, found.left_orbit), (found.right, found.right_orbit)):
+        member = family(float(edge))
+        assert orbit.size == found.ratio.denominator
+        if kinds == "saddle-node":
+            assert abs(np.prod(member.derivative(orbit)) - 1) < 1e-5
+            gap = member(orbit) - np.roll(orbit, -1)
+            assert np.max(np.abs(gap - TWO_PI * np.round(gap / TWO_PI))) < 1e-6
+        else:
+            away = np.abs(orbit[:, None] - member.breaks)
+            assert np.min(np.minimum(away, TWO_PI - away)) < 1e-6
