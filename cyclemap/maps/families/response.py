@@ -50,28 +50,34 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
         raise InvalidInput(f"parameter is {p:g}, outside the parameters ({low:g}, {high:g}): take one inside")
     tangents = [parameter_tangent(family, p, k * _STEP * (high - low), (low, high)) for k in (1.0, 2.0)]
     operator = transfer_operator(tangents[0].member, noise)
-    if not isinstance(operator.law, FourierLaw):
+    if not isinstance(operator.discretisation, FourierDiscretisation):
         raise InvalidInput(f"the noise is {noise!r}: its law has steps, which move; take a smooth noise")
-    return Response(operator, operator.law, tangents[0], tangents[1])
+    return Response(operator, tangents[0], tangents[1])
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """Derivatives by the parameter, made by ``response``; each is computed when it is asked for.
 
-    operator, law : at the parameter. near, far : ∂F/∂p by differences over a step and over two.
+    operator : at the parameter. near, far : ∂F/∂p by differences over a step and over two.
     """
 
     operator: TransferOperator
-    law: FourierLaw
     near: ParameterTangent
     far: ParameterTangent
+
+    @property
+    def _basis(self) -> FourierDiscretisation:
+        basis = self.operator.discretisation
+        assert isinstance(basis, FourierDiscretisation)
+        return basis
 
     @one_thread
     def density(self, theta: Any) -> Array:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
-        found, _ = self._moved(self.law, self.law.basis.evaluate(angles.ravel()).T)
+        basis = self._basis
+        found, _ = self._moved(FourierLaw(basis), basis.evaluate(angles.ravel()).T)
         return found.reshape(angles.shape)
 
     @one_thread
@@ -131,9 +137,10 @@ class Response:
         return Estimate((4.0 * near - far) / 3.0, abs(near - far) + 4.0 * abs(near - again) + rounding)
 
     def _estimated(self, moments: Callable[[FourierDiscretisation], Array], direct: float) -> Estimate:
-        value, changed = self._moved(self.law, moments(self.law.basis), direct)
-        fine = self.law.refined()
-        again, _ = self._moved(fine, moments(fine.basis), direct)
+        basis = self._basis
+        value, changed = self._moved(FourierLaw(basis), moments(basis), direct)
+        fine = basis.refined()
+        again, _ = self._moved(FourierLaw(fine), moments(fine), direct)
         rounding = 64.0 * EPS * (1.0 + abs(float(value))) / self.near.step
         return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)
 
