@@ -142,7 +142,8 @@ static double iterate(Stroke *r, const Motion *m, const double *state, const dou
     begin(r, m, state, z, &b);
     friction_on(r, state, &b, &r->is_far, 0, friction);
     finish(m, &b, z, friction, row, report);
-    memcpy(row, state, STATE_SIZE * sizeof(double));
+    /* the state may be the row's own */
+    memmove(row, state, STATE_SIZE * sizeof(double));
     return fabs(report[RESIDUAL]);
 }
 
@@ -174,7 +175,7 @@ static void settle_with(const Stroke *r, const Motion *m, const double *state, F
         [WW] = 1.0,
     };
     finish(m, &b, m->z, friction, row, report);
-    memcpy(row, state, STATE_SIZE * sizeof(double));
+    memmove(row, state, STATE_SIZE * sizeof(double));
     memcpy(row + UNKNOWN, m->z, sizeof m->z);
     report[CORRECTION] = report[RESIDUAL] = 0.0;
     report[NORMAL_FORCE] = force.normal;

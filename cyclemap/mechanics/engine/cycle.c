@@ -33,11 +33,11 @@ static void set_sources(const Loop *loop, Variation *v) {
 }
 
 /* A floor's shape that varies with the place varies as the place does. */
-static void move_floor(const Ground *ground, const double *by_place, Variation *v, int k) {
-    if (!varies(&ground->object)) return;
+static void move_floor(const Standing *standing, const double *by_place, Variation *v, int k) {
+    if (!varies(&standing->object)) return;
     for (int s = 0; s < SHAPE_SIZE; ++s)
         v->source[SOURCE_FLOOR_DOME + s][k] +=
-            ground->by[s][X] * by_place[X] + ground->by[s][Y] * by_place[Y];
+            standing->by[s][X] * by_place[X] + standing->by[s][Y] * by_place[Y];
 }
 
 /* The rod's centre seen from the object's origin, in the world's axes; by the state and by the
@@ -73,17 +73,17 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
 /* The push: moves the object, writes its part of the result; LEFT, DISTANCE, or why not. */
 static int push_object(const Loop *loop, Body *body, double *result, const volatile int64_t *stop,
                        Record *record) {
-    Ground ground;
+    Standing standing;
     double centre[2], place[2], direction = loop->direction;
     if (loop->with_object) direction += body->theta;
     turned(body->theta, loop->object.pressure.middle, centre);
     const double ahead[] = {cos(direction), sin(direction)};
     for (int c = 0; c < 2; ++c)
         place[c] = body->place[c] + centre[c] + PUSH_SHARE * loop->length * ahead[c];
-    if (!stand(&loop->object, place, &ground)) return UNSOLVED;
+    if (!stand(&loop->object, place, &standing)) return UNSOLVED;
     Stroke r = {
-        .object = &ground.object,
-        .pressed = &ground.pressed,
+        .object = &standing.object,
+        .pressed = &standing.pressed,
         .direction = direction,
         .friction = loop->rod_friction,
         .longest = record ? record->longest : INFINITY,
@@ -120,7 +120,7 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
                 by[POSE_X] - centre[Y] * by[POSE_THETA] + farther * ahead[X] - aside * ahead[Y],
                 by[POSE_Y] + centre[X] * by[POSE_THETA] + farther * ahead[Y] + aside * ahead[X],
             };
-            move_floor(&ground, moved, &v, k);
+            move_floor(&standing, moved, &v, k);
             for (int c = 0; c < 2; ++c)
                 by_before[k][c] = by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
                     + by_radius[c] * wider;
@@ -194,14 +194,14 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
         if (goes <= NO_LEG) continue;
         const double toward[] = {dx / goes, dy / goes};
         double state[] = {body->theta, 0.0}, travel = 0.0;
-        Ground ground;
+        Standing standing;
         double centre[2], place[2];
         turned(body->theta, own, centre);
         for (int c = 0; c < 2; ++c) place[c] = 0.5 * (ring[c] + goal[c]) + centre[c];
-        if (!stand(o, place, &ground)) return UNSOLVED;
+        if (!stand(o, place, &standing)) return UNSOLVED;
         Stroke r = {
-            .object = &ground.object,
-            .pressed = &ground.pressed,
+            .object = &standing.object,
+            .pressed = &standing.pressed,
             .direction = atan2(dy, dx),
             .friction = loop->pin_friction,
             .longest = record ? record->longest : INFINITY,
@@ -233,7 +233,7 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
                     0.5 * by_ring[k][X] - centre[Y] * turn - across[X],
                     0.5 * by_ring[k][Y] + centre[X] * turn - across[Y],
                 };
-                move_floor(&ground, shifted, &v, k);
+                move_floor(&standing, shifted, &v, k);
             }
         }
         Motion m = motion_of(&r, RING, (int)o->piece_count, 0.0, 0.0);

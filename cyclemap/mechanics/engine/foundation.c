@@ -773,20 +773,20 @@ typedef struct {
     Object object;
     Pressed pressed;
     double by[SHAPE_SIZE][2], table[MOST_STROKE_ROWS * BALANCE_COLUMNS];
-} Ground;
+} Standing;
 
 static int varies(const Object *object) { return object->pressure.field_reach > 0.0; }
 
 /* Whether the load could be balanced there. */
-static int stand(const Object *object, const double *place, Ground *ground) {
-    ground->object = *object;
-    begin_pressed(&ground->pressed, object->tolerance);
+static int stand(const Object *object, const double *place, Standing *standing) {
+    standing->object = *object;
+    begin_pressed(&standing->pressed, object->tolerance);
     if (!varies(object)) return 1;
-    Pressure *pressure = &ground->object.pressure;
-    floor_at(&object->pressure, place, pressure->floor, ground->by);
-    pressure->table = ground->table;
-    pressure->table_count = STROKE_ROWS[ground->pressed.digits];
-    return cm_balance(pressure, ground->table) == pressure->table_count;
+    Pressure *pressure = &standing->object.pressure;
+    floor_at(&object->pressure, place, pressure->floor, standing->by);
+    pressure->table = standing->table;
+    pressure->table_count = STROKE_ROWS[standing->pressed.digits];
+    return cm_balance(pressure, standing->table) == pressure->table_count;
 }
 
 /* For drawings and tests: the pressure at an orientation. */

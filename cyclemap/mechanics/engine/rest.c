@@ -204,7 +204,7 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     double friction[FRICTION_SIZE] = {[XX] = 1.0, [YY] = 1.0, [WW] = 1.0};
     for (int k = 0; k < WRENCH; ++k) friction[k] = g[k] - b.frame[FRAME_FORCE_X + k];
     finish(m, &b, corrected.z, friction, row, report);
-    memcpy(row, state, STATE_SIZE * sizeof(double));
+    memmove(row, state, STATE_SIZE * sizeof(double));
     memcpy(row + UNKNOWN, after, sizeof after);
     /* in the ring no contact changes */
     for (int k = 0; k < RESTS && place_of(m) == AT_RING; ++k) row[MARGIN + k] = 1.0;

@@ -58,6 +58,24 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
     return correction;
 }
 
+/* The same of the rates alone, by differences: where a support point stands still. */
+static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources,
+                                 double *slopes) {
+    for (int j = 0; j < STATE_SIZE + (sources < VARIED ? sources : VARIED); ++j)
+        for (int side = -1; side <= 1; side += 2) {
+            Motion moved = *m;
+            double state[] = {row[THETA], row[COORDINATE]}, found[ROW], report[REPORT];
+            memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
+            double *at = j < STATE_SIZE ? state + j : moved.p + VARIED_AT[j - STATE_SIZE];
+            *at += side * DIFFERENCE;
+            face(&moved);
+            if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
+            for (int c = 0; c < STATE_SIZE; ++c)
+                slopes[STATE_SIZE * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
+        }
+    return 1;
+}
+
 /* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's
    method corrects them beside it. */
 static void tangents_aside(Stroke *r, const Motion *m, const double *row, double *toward) {
@@ -184,24 +202,6 @@ static double next_length(double h, double error, double tolerance) {
     double factor = SAFETY * pow(tolerance / fmax(error, 1e-300), 1.0 / ORDER);
     double mantissa = frexp(h * fmin(GROW, fmax(SHRINK, factor)), &exponent);
     return ldexp(floor(256.0 * mantissa), exponent - 8);
-}
-
-/* The same by differences, where a support point stands still. */
-static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources,
-                                 double *slopes) {
-    for (int j = 0; j < STATE_SIZE + (sources < VARIED ? sources : VARIED); ++j)
-        for (int side = -1; side <= 1; side += 2) {
-            Motion moved = *m;
-            double state[] = {row[THETA], row[COORDINATE]}, found[ROW], report[REPORT];
-            memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
-            double *at = j < STATE_SIZE ? state + j : moved.p + VARIED_AT[j - STATE_SIZE];
-            *at += side * DIFFERENCE;
-            face(&moved);
-            if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
-            for (int c = 0; c < STATE_SIZE; ++c)
-                slopes[STATE_SIZE * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
-        }
-    return 1;
 }
 
 /* Derivatives of the rates at a row that a variation needs (2, 2 + count): by the state, and by its
