@@ -279,7 +279,8 @@ static const double *support(const Stroke *r, int64_t index) {
 }
 
 /* Slip about one support point: spin and slip in z, the force, and the friction that holds the
-   point: of its image, as a share of its load. Returns what share is left, -inf where none would do. */
+   point: of its image, as a share of its load. Returns what share is left, -inf where none would
+   do. */
 static double slips_about(const Stroke *r, const Motion *m, const double *state, int64_t index,
                           double *z, Force *force, double *holding) {
     const double *row = support(r, index), *pin = row + ROW_GEOMETRY, smu = m->p[SMU];

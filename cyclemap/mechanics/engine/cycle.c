@@ -1,8 +1,8 @@
 /* Pushes and drags in the world, and whole cycles: a push, and the drag back by the ring; with
    their derivatives. Lengths in extents. */
 
-/* Where a floor's shape that varies with the place is taken: this share of a push's way ahead, since
-   the object goes about half as far as the rod; of a leg of a drag in its middle. */
+/* Where a floor's shape that varies with the place is taken: this share of a push's way ahead,
+   since the object goes about half as far as the rod; of a leg of a drag in its middle. */
 static const double PUSH_SHARE = 0.25;
 
 /* An object on its way: place of its origin, orientation, and how both vary, by columns. */
