@@ -16,11 +16,11 @@ typedef struct Record Record;
 typedef struct {
     const Object *object;
     double direction, friction, longest;
-    int is_ambiguous;    /* whether another motion, too, would have gone on from a concave corner */
-    int is_wedged;       /* whether the rod has been in a concave corner */
-    int64_t pinned;      /* the support point that the object last turned about */
+    int is_ambiguous; /* whether another motion, too, would have gone on from a concave corner */
+    int is_wedged;    /* whether the rod has been in a concave corner */
+    int64_t pinned;   /* the support point that the object last turned about */
     int64_t steps;
-    int is_far;          /* regime of the pressure's sums */
+    int is_far; /* regime of the pressure's sums */
     const volatile int64_t *stop;
     struct Variation *varied; /* null where no derivatives are wanted */
     Pressed *pressed;         /* the contact of a foundation, at the last orientation */
@@ -84,7 +84,9 @@ static Motion motion_of(const Stroke *r, int mode, int piece, double spin, doubl
     return m;
 }
 
-typedef struct { double twist[TWIST_SIZE], matrix[MATRIX_SIZE], frame[FRAME_SIZE]; } Begun;
+typedef struct {
+    double twist[TWIST_SIZE], matrix[MATRIX_SIZE], frame[FRAME_SIZE];
+} Begun;
 
 static void begin(const Stroke *r, const Motion *m, const double *state, const double *z,
                   Begun *b) {
@@ -114,7 +116,8 @@ static void friction_varies(const Stroke *r, const Begun *b, int all, const doub
         if (all)
             friction_by_shapes(pressure, r->pressed, b->twist, b->matrix, r->is_far,
                                by_pressure + WRENCH * SHARES);
-    } else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, apart, by_pressure);
+    } else if (all)
+        friction_by_shares(pressure, b->twist, b->matrix, r->is_far, apart, by_pressure);
 }
 
 static void finish(const Motion *m, const Begun *b, const double *z, const double *wrench,
@@ -148,7 +151,9 @@ static double iterate(Stroke *r, const Motion *m, const double *state, const dou
 }
 
 /* The force of the rod: its compression, and its part along the tangent. */
-typedef struct { double normal, tangential; } Force;
+typedef struct {
+    double normal, tangential;
+} Force;
 
 static Force force_of(const double *report) {
     return (Force){report[NORMAL_FORCE], report[TANGENTIAL_FORCE]};

@@ -7,7 +7,10 @@ static const double PUSH_SHARE = 0.25;
 
 /* An object on its way: place of its origin, orientation, and how both vary, by columns. */
 enum { POSE_X, POSE_Y, POSE_THETA, POSE };
-typedef struct { double place[2], theta, by[POSE * MOST_VARIED]; int count; } Body;
+typedef struct {
+    double place[2], theta, by[POSE * MOST_VARIED];
+    int count;
+} Body;
 
 static void turned(double angle, const double *vector, double *result) {
     double c = cos(angle), s = sin(angle);
@@ -109,7 +112,7 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
             now[THETA] = by[POSE_THETA];
             now[COORDINATE] = along;
             v.source[SOURCE_DIRECTION][k] = (loop->with_object ? by[POSE_THETA] : 0.0)
-                + one(loop, k, BY_ANGLE, 1) + turning * along;
+                                            + one(loop, k, BY_ANGLE, 1) + turning * along;
             v.source[SOURCE_RADIUS][k] = wider;
             v.source[SOURCE_SMU][k] = one(loop, k, BY_PUSHER_FRICTION, 0);
             double farther = PUSH_SHARE * one(loop, k, BY_DISTANCE, 1);
@@ -123,7 +126,7 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
             move_floor(&standing, moved, &v, k);
             for (int c = 0; c < 2; ++c)
                 by_before[k][c] = by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
-                    + by_radius[c] * wider;
+                                  + by_radius[c] * wider;
         }
     }
     Step last = {0};
@@ -137,8 +140,8 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
     const double *slope = last.rows[STAGES] + SLOPE;
     double turning = v.count ? normal_slope(&r, &m, state[COORDINATE]) : 0.0;
     double rate = slope[THETA] + turning * slope[COORDINATE];
-    int at_corner = ended == LEFT && loop->object.radius == 0.0
-        && last.rows[STAGES][MARGIN + APPROACH] > 1e-6;
+    int at_corner =
+        ended == LEFT && loop->object.radius == 0.0 && last.rows[STAGES][MARGIN + APPROACH] > 1e-6;
     double later[MOST_VARIED];
     if (v.count && at_corner && delays(&r, &m, last.rows[STAGES], later) < 0) return UNSOLVED;
     for (int k = 0; k < v.count; ++k) {
