@@ -1,7 +1,7 @@
 """Every fact of an experiment that can be set, told once: key, unit, usual range, meaning, and where a loop has it.
 
 From this table come --set, the files' tables and their checks, sweeps, the explorer's sliders, what `cyclemap check`
-doubts, the comments that `cyclemap init` writes, and the tables of README and guide.
+doubts, the comments that `cyclemap init` writes, and the table of the guide.
 """
 
 from __future__ import annotations

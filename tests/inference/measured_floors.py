@@ -99,7 +99,7 @@ def fitted(
     chosen: dict[str, str | float] = {"surface": floor} | ({"object": plates[0]} if len(plates) == 1 else {})
     collected = collected_blocks(data, loop, chosen, most=most, population=known is not None, target=TARGET)
     blocks = of_plates(collected.blocks, plates)
-    free = telling_parameters(blocks, of_known_floor=True)
+    free = telling_parameters(blocks, believed=())
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
     fixed |= {"pin_friction_radius": PIN} if drags else {}
     free = tuple(name for name in free if name not in fixed)

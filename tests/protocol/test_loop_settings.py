@@ -178,6 +178,6 @@ BAD = [
 def test_bad_settings_are_refused_by_name_in_one_line():
     """A side that the outline has not before anything moves."""
     for settings, told in BAD:
-        refused(CollectionLoop.from_settings, settings, told=told)
+        refused(loop_from_settings, settings, told=told)
     for settings in ({"side": 4}, {"shape": "ellip1", "side": 1}):
         refused(loop_from_settings(settings).cycle, 0.0, told="does not exist", kind=CycleMapError)

@@ -70,25 +70,28 @@ NODES = 48
 CYCLE_ACCURACY = 1e-6
 
 
-def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, target: Place | None = None) -> DataBlock:
+def push_end_block(
+    pushes: Sequence[MeasuredPush], slider: Slider, target: Place | None = None, frames_agree: bool = False
+) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
-    the object's poses; with a target (m, where resets end), also how the floor's shape varies with the place about it.
+    the object's poses, unless these frames agree, as where rods were set by marks on the object; with a target (m,
+    where resets end), also how the floor's shape varies with the place about it.
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
 
     def misfit(strokes: Sequence[MeasuredPush], values: Values) -> StrokeRows:
         surface = SurfaceParameters.from_values(values)
-        shift = (values["tip_offset_x"], values["tip_offset_y"])
+        shift = (0.0, 0.0) if frames_agree else (values["tip_offset_x"], values["tip_offset_y"])
         model = surface_model(surface, slider, field=floor_field(values))
         ends, by, stayed = predicted_push_ends(model, strokes, shift, names, target)
-        own_columns = by[..., len(names) :]
+        own_columns = by[..., len(names) : len(names) + len(own)]
         jacobian = np.concatenate([surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1)
         return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian, stayed
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
-    own = TIP_OFFSET if target is None else (*FIELD, *TIP_OFFSET)
+    own = (*(() if target is None else FIELD), *(() if frames_agree else TIP_OFFSET))
     parameters = (*PUSH_UNKNOWNS, *(one.name for one in own))
     return _stroke_block("push ends", parameters, pushes, misfit, kinds, own)
 
