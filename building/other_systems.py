@@ -8,7 +8,6 @@ one for which an emulator is installed (qemu-aarch64, qemu-x86_64).
 """
 
 import gzip
-import os
 import platform
 import re
 import runpy
@@ -17,12 +16,10 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 
 from engine_library import ENGINE, FLAGS, ROOT, ZIG, BuildError, Refused, compile_for, generate, place_whole
-from setuptools import build_meta
 from setuptools_backend import copy_sources
 
 EXPORTS = ("cm_run", "cm_record", "cm_friction", "cm_balance", "cm_press", "cm_layout", "cm_version")
@@ -76,8 +73,7 @@ def main(names: list[str]) -> int:
         generate(folder)
         for name in names or ("browser", *SYSTEMS):
             if name == "browser":
-                place_whole(gzip.compress(wasm(folder), 9, mtime=0), WASM)
-                print(f"{WASM.relative_to(ROOT)}: {WASM.stat().st_size / 1e3:.0f} kB")
+                print(renew_wasm(wasm(folder)))
             else:
                 print(wheel(name, SYSTEMS[name], folder))
     return 0
@@ -88,6 +84,15 @@ def wasm(folder: Path) -> bytes:
     target = folder / "engine.wasm"
     _compiled(_WASM_FLAGS, folder, target)
     return target.read_bytes()
+
+
+def renew_wasm(made: bytes) -> str:
+    """Keep the engine for browsers beside its sources, untouched where it is the same; which it was, in a line."""
+    kept = gzip.decompress(WASM.read_bytes()) if WASM.exists() else b""
+    if made != kept:
+        place_whole(gzip.compress(made, 9, mtime=0), WASM)
+    told = "as it was, to the byte" if made == kept else "made anew: commit it"
+    return f"{WASM.relative_to(ROOT)}: {WASM.stat().st_size / 1e3:.0f} kB, {told}"
 
 
 def wheel(name: str, system: System, folder: Path) -> str:
@@ -101,12 +106,23 @@ def wheel(name: str, system: System, folder: Path) -> str:
     shutil.copyfile(library, sources / ENGINE.relative_to(ROOT) / system.library)
     dist = ROOT / "dist"
     dist.mkdir(exist_ok=True)
-    with chdir(sources):
-        made = dist / build_meta.build_wheel(str(dist), {"--build-option": ["--plat-name", system.tag]})
-    ran = (
-        run_wheel(made, library.parent / "unpacked") if name == here() else run_emulated(system, folder, library.parent)
-    )
+    made = pack(sources, dist, system.tag)
+    is_here = name == here()
+    ran = run_wheel(made, library.parent / "unpacked") if is_here else run_emulated(system, folder, library.parent)
     return f"dist/{made.name}: {made.stat().st_size / 1e3:.0f} kB, {ran}"
+
+
+def pack(sources: Path, dist: Path, tag: str) -> Path:
+    """Build a wheel of sources with the library beside them; where it is."""
+    code = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); from setuptools import build_meta;"
+        f"print(build_meta.build_wheel({str(dist)!r}, {{'--build-option': ['--plat-name', {tag!r}]}}))"
+    )
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, cwd=sources, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    if done.returncode:
+        raise BuildError(f"setuptools cannot make a wheel for {tag}:", done.stdout[-2000:])
+    return dist / done.stdout.split()[-1]
 
 
 def here() -> str:
@@ -119,9 +135,7 @@ def run_wheel(made: Path, folder: Path) -> str:
     """Run a published cycle by a wheel of this system, from where it is unpacked."""
     with zipfile.ZipFile(made) as archive:
         archive.extractall(folder)
-    done = subprocess.run(
-        [sys.executable, "-c", _CYCLE, str(folder)], env=os.environ | {"PYTHONPATH": str(folder)}, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", _CYCLE, str(folder)], check=False)
     if done.returncode:
         raise BuildError(f"{made.name} does not run: see above.")
     return "its cycles run"
@@ -129,7 +143,11 @@ def run_wheel(made: Path, folder: Path) -> str:
 
 # Where a cycle of MIT's loop on plywood ends, by an independent solver.
 _CYCLE = """
-import math, sys, cyclemap
+import math, sys
+# A checkout that is installed editable would come first.
+sys.meta_path = [finder for finder in sys.meta_path if "editable" not in str(finder)]
+sys.path.insert(0, sys.argv[1])
+import cyclemap
 assert cyclemap.__file__.startswith(sys.argv[1]), cyclemap.__file__
 cycle = cyclemap.CollectionLoop.mit().cycle(0.0)
 assert abs(math.degrees(cycle.theta_next) - (73.65314 - 63.68794)) < 1e-4, cycle.theta_next

@@ -27,6 +27,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "drawings",
+    "explorer_page",
     "gallery",
     "house_docstrings",
     "mathml_math",

@@ -155,7 +155,7 @@ ROWS = {
     "evidence": (
         ("pushes", "laws", "orientations", "tables", "comparison"),
         ("pushes", "replay"),
-        ("pushes", "laws", "tables", "identification", "data_blocks"),
+        ("pushes", "laws", "tables", "identification", "data_blocks", "push_plan"),
     ),
     "resets": (("monitor", "design"),),
 }

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, StepComparison, Steps
+    from cyclemap.maps import Orbit, RestMultiplier, SlowZone, StaircaseSummary, StepComparison, Steps
     from cyclemap.resets import ResetStrategy
     from cyclemap.sweeps.direction_margins import DirectionMargin
 
@@ -131,6 +131,14 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
             for one in found.directions
         ],
     }
+
+
+def multiplier_report(found: RestMultiplier | None) -> Json | None:
+    """The multiplier of the last cycles; None where they do not rest."""
+    if found is None:
+        return None
+    numbers_told = numbers_of(found, "value", "lower", "upper")
+    return {**numbers_told, "cycles": found.cycles, "theta_deg": direction_deg(found.theta)}
 
 
 def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:

@@ -224,10 +224,21 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
     from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
     from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+    from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
     from cyclemap.evidence.pushes.pose_streams import UnclearStream
     from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
+    if is_planned(data):
+        if any(vars(table).values()):
+            raise InvalidInput(
+                f"{data}: a table of planned pushes tells its columns, units and angles: leave these out"
+            )
+        text, words = filled_text(data)
+        target = out / f"{file_stem(data.stem)}_as_read.csv"
+        tell_what_was_read((*words, f"written as {target}"), guessed=False)
+        write_whole(target, text.encode())
+        return target
     own = table.columns is not None or table.units is not None or is_own(data)
     told = {**data_table(data), **{key: one for key, one in table.convention.items() if one is not None}}
     if not own and not told:

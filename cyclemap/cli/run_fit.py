@@ -10,7 +10,7 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
+from cyclemap.cli.json_report import Json, degrees, multiplier_report, number, numbers, numbers_of
 from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
@@ -177,6 +177,7 @@ def set_report(fit: SetFit) -> Json:
             "law_alone_total_variation": number(found.law_alone_total_variation),
             "law_alone_distance_deg": degrees(found.law_alone_distance),
         },
+        "last_cycles": multiplier_report(fit.rest),
         "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
     }
 

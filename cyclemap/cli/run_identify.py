@@ -23,7 +23,7 @@ from cyclemap.evidence.identification.known_floor import (
     known_shapes,
     known_spread,
 )
-from cyclemap.evidence.identification.surface_parameters import starting_space
+from cyclemap.evidence.identification.surface_parameters import SURFACE, starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
     derived_quantities,
@@ -80,7 +80,8 @@ def run_identify(
         )  # fmt: skip
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
-    named = named or tuple(one for one in telling_parameters(collected.blocks, known is not None) if one not in fixed)
+    believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
+    named = named or tuple(one for one in telling_parameters(collected.blocks, believed) if one not in fixed)
     held = held_values(collected.blocks, space, named, known)
     beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
@@ -90,7 +91,7 @@ def run_identify(
             named,
             held | {key: at for key, at in fixed.items() if key not in named},
             priors={} if no_priors else beliefs,
-            noise=known_spread(known, collected.blocks),
+            noise={**collected.noise, **known_spread(known, collected.blocks)},
             folds=folds if folds is not None else min(5, groups) if groups > 1 else 0,
             starts=starts,
             student=None if student == math.inf else student,

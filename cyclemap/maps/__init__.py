@@ -32,6 +32,7 @@ Families, p → CircleMap
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
 bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of two parameters
+slow_folds, SlowFold : when a parameter that moves takes stable points away, and how late that shows
 response, Response : derivatives of law, winding, stable points and passage times by the parameter, under noise
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
 orbit_diagram, OrbitDiagram : where orbits are after a transient
@@ -56,6 +57,7 @@ sample_staircase, sample_staircases, Staircase : noisy paths of the lifted orien
 predict_staircase, StaircaseSummary, SlowZone : where such a path rests, how long, how high it steps
 find_steps, Steps : the dwells and steps of a path
 compare_steps, StepComparison : found beside predicted
+rest_multiplier, RestMultiplier : how much of an error the last cycles of a path keep, on its way to 1
 DriftingMap, predict_drift, DriftSummary : a map that changes with the cycle
 """
 
@@ -92,6 +94,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.families.orbit_equations import Bifurcation
     from cyclemap.maps.families.response import Response, response
     from cyclemap.maps.families.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
+    from cyclemap.maps.families.slow_folds import SlowFold, slow_folds
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.branches import Branch, branches, preimages
     from cyclemap.maps.lifts.circle_map import CircleMap
@@ -123,6 +126,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.passages.log_passage import log10_passage_time
     from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time, survival_probabilities
     from cyclemap.maps.passages.quasi_stationary import QuasiStationary, quasi_stationary
+    from cyclemap.maps.staircases.early_warning import RestMultiplier, rest_multiplier
     from cyclemap.maps.staircases.slow_zones import (
         DriftSummary,
         SlowZone,
@@ -148,7 +152,7 @@ __all__ += ["ParametricLift", "RotationNumbers", "RotationPlane", "Tongue", "Ton
 __all__ += ["border_collisions", "follow_orbit", "lyapunov_exponent", "lyapunov_exponents", "orbit_branches"]
 __all__ += ["orbit_diagram", "period_doublings", "rotation_numbers", "rotation_plane", "saddle_nodes", "tongue"]
 __all__ += ["BifurcationCurve", "CodimensionTwo", "bifurcation_curves", "follow_bifurcation", "tongues"]
-__all__ += ["Response", "response"]
+__all__ += ["Response", "RestMultiplier", "SlowFold", "response", "rest_multiplier", "slow_folds"]
 __all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
 __all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
 __all__ += ["MetastableSet", "Spectrum", "TransferOperator", "transfer_operator"]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
-from cyclemap.maps import StaircaseSummary
+from cyclemap.maps import RestMultiplier, StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.setting_table import SETTINGS
@@ -107,6 +107,15 @@ def interval_decimals(width: float) -> int:
     [0, 1, 2, 3]
     """
     return next((decimals for decimals in range(_FINEST) if width * 10.0**decimals >= 4.0), _FINEST)
+
+
+def multiplier_sentence(found: RestMultiplier | None) -> str:
+    """What the last cycles keep of an error, and whether the direction may be on its way out; empty without a rest."""
+    if found is None:
+        return ""
+    told = f"{found.value:.2f} of an error ({found.lower:.2f} to {found.upper:.2f})".replace("-", "−")
+    lost = " At 1 the direction is lost: watch whether that share grows." if found.upper >= 1.0 else ""
+    return f"Over the last {found.cycles} cycles, at rest near {angle(found.theta, 0)}, each keeps {told}.{lost}"
 
 
 MARGIN_COLUMNS = ("setting", "here", "change below", "change above", "of the usual range")

@@ -1,5 +1,6 @@
 """The explorer's page: its numbers are Python's, in a browser without a network, and it lets nobody else in."""
 
+import base64
 import json
 import math
 import re
@@ -19,6 +20,7 @@ from cyclemap.mechanics.browser_tables import browser_tables
 from cyclemap.protocol import loop_from_settings, read_protocol
 from cyclemap.protocol.chosen_loop import set_settings
 from cyclemap.views.explorer.answers import slider_controls, slider_values
+from cyclemap.views.explorer.page import explorer_frame
 
 SIGMA = math.radians(1.1)
 L_SHAPE = {"vertices_mm": [[-45, 45], [-45, -45], [45, -45], [45, 0], [0, 0], [0, 45]], "side": 1}
@@ -227,6 +229,17 @@ def test_the_page_is_small_and_the_same_each_time_and_lets_no_other_script_in(ex
     policy = re.search(rb'Content-Security-Policy" content="([^"]*)"', content)[1].decode()
     assert "default-src &#39;none&#39;" in policy and "unsafe" not in policy.replace("wasm-unsafe-eval", "")
     assert "connect-src" not in policy
+
+
+@pytest.mark.slow
+def test_a_notebook_shows_the_page_in_a_frame_and_else_its_picture(open_page, tmp_path) -> None:
+    shown = explorer_frame(loop_of("plywood", {"push_mm": 120.0}))._repr_mimebundle_()
+    assert base64.b64decode(shown["image/png"]).startswith(b"\x89PNG")
+    (tmp_path / "notebook.html").write_text(f"<!doctype html><meta charset='utf-8'>{shown['text/html']}")
+    frame = open_page((tmp_path / "notebook.html").as_uri(), offline=True).frame_locator("iframe")
+    frame.locator("#even:enabled").click()
+    frame.locator("body[data-drawn='1-fine']").wait_for()
+    assert "--set push_mm=120" in frame.locator("#command").inner_text()
 
 
 @pytest.mark.slow

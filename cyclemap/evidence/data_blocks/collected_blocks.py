@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,6 +64,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
     told_push,
 )
+from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE, push_noise
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, load_pushes, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
@@ -203,6 +204,7 @@ class BlockBuilder:
         self.notes: list[FileNote] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
+        self.known_noise, self.unknown_noise = dict[str, float](), set[str]()
 
     def add_file(
         self, path: Path, sort: str, selection: RowSelection, progress: Progress
@@ -325,8 +327,13 @@ class BlockBuilder:
     def _note(self, words: str) -> None:
         self.notes.append(FileNote(str(self.path), words))
 
-    def _add(self, block: DataBlock, words: str) -> None:
-        """Add a block of the session, and a note of what it holds."""
+    def _add(self, block: DataBlock, words: str, noise: Mapping[str, float] | None = None) -> None:
+        """Add a block of the session, and a note of what it holds; noise : of its kinds, where the data tell it."""
+        for kind in set(block.kinds.tolist()):
+            if noise is None:
+                self.unknown_noise.add(kind)
+            else:
+                self.known_noise[kind] = max(noise[kind], self.known_noise.get(kind, 0.0))
         self.blocks.append(block)
         self.plates.append(self.plate)
         self.sessions.append(self.session)
@@ -429,11 +436,14 @@ class BlockBuilder:
         else:
             self._add(force_ratio_block(sliding), f"{pieces} force ratios while the rod slides, in {count} pushes")
 
-    def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
+    def _add_push_ends(
+        self, pushes: Sequence[MeasuredPush], noise: Mapping[str, float] | None = None, frames_agree: bool = False
+    ) -> None:
         kept = _thinned(pushes, self.most)
         if kept:
             self.pushes.setdefault(self.plate, {}).setdefault(self.session, _thinned(pushes, _MOST_TURNS))
-            self._add(push_end_block(kept, self.loop.slider, self.target), f"{_counted(kept, pushes)} push ends")
+            block = push_end_block(kept, self.loop.slider, self.target, frames_agree)
+            self._add(block, f"{_counted(kept, pushes)} push ends", noise)
 
     def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
@@ -444,11 +454,12 @@ class BlockBuilder:
             self._leave_out(Counter({"the tip was not where it was sent": len(rows) - len(pushes)}))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=number) for number, push in enumerate(pushes))
-            self._add_push_ends(pushes)
+            self._add_push_ends(pushes, _told_noise(table, rows), FRAMES_AGREE in table.header)
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
-            kept = _thinned(drags, self.most)
-            self._add(drag_turn_block(kept, self.loop.slider, self.target), f"{_counted(kept, drags)} drag-backs")
+            kept, noise = _thinned(drags, self.most), _told_noise(table, rows)
+            block = drag_turn_block(kept, self.loop.slider, self.target)
+            self._add(block, f"{_counted(kept, drags)} drag-backs", noise)
         else:
             outline = self.loop.slider.outline
             data = read_wrench_twists(table, rows, outline.extent)
@@ -459,6 +470,15 @@ class BlockBuilder:
             if len(sources) > 1:
                 listed = ", ".join(sources)
                 self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
+
+
+def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | None:
+    """How far measured pushes and drags are off, by kind of noise, where a table tells how far its readings are."""
+    if not {*ERRORS} <= set(table.header):
+        return None
+    read = np.array([[table.number(row, name) for name in ERRORS] for row in rows])
+    along, _, turned, dragged = push_noise((1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))))
+    return {"push place (m)": float(along), "push turn (rad)": float(turned), "drag turn (rad)": float(dragged)}
 
 
 def _plates_and_speeds(facts: Sequence[Mapping[str, Any]], plate: str) -> list[tuple[str, float | None]]:
@@ -510,6 +530,7 @@ class CollectedBlocks:
     last one tells how sessions may differ. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
     scans : (n, 2) tractions of friction scans. last_cycle : how many the last is behind the first; 0 where unknown.
+    noise : of the kinds of noise that all of their data tell.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -518,6 +539,7 @@ class CollectedBlocks:
     loop: CollectionLoop
     scans: Array | None
     last_cycle: float
+    noise: Mapping[str, float]
 
 
 def collected_blocks(
@@ -588,22 +610,24 @@ def collected_blocks(
     notes = joined_notes([*builder.notes, *(FileNote(str(file.path), f"not used: {file.reason}") for file in unused)])
     scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
+    noise = {kind: size for kind, size in builder.known_noise.items() if kind not in builder.unknown_noise}
+    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle, noise)
 
 
-def telling_parameters(blocks: Sequence[DataBlock], of_known_floor: bool = False) -> tuple[str, ...]:
+def telling_parameters(blocks: Sequence[DataBlock], believed: Collection[str] | None = None) -> tuple[str, ...]:
     """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
 
     The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates, the rod, how each
     data set's frame is shifted, friction in the ring with drags or cycles, how the surface wears; of four sessions and
-    more, how the floor's shape varies with the place. Single pushes and drags on a known floor take its ellipse.
+    more, how the floor's shape varies with the place. believed : of a known floor, what its samples tell of the
+    ellipse; single pushes and drags take the rest of it as it stands.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
     of_ellipse = {name for block in blocks if block.curve or block.motions is None for name in block.parameters}
-    by_motions = set() if of_known_floor else asked & {*SURFACE.names[1:5]}
+    by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
     free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]

@@ -49,8 +49,6 @@ _CLOSE = 1e-3
 _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
 _TOLD = 0.8
-# Turns below this, rad, are rounding.
-_NO_TURN = 1e-12
 Beliefs = Mapping[str, tuple[float, float]]
 
 
@@ -273,7 +271,13 @@ def identify(
         left_out, failures = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
     report(1.0)
     estimates = _estimates(problem, fit, errors, level)
-    notes += [*_notes(found, errors, estimates, believed), *failures, *stayed_strokes(problem, fit)]
+    notes += [*_notes(found, errors, estimates, believed), *failures]
+    for block in blocks:
+        stayed = 0 if block.stayed is None else block.stayed(block.own_values(problem.values(fit.vector)))
+        if stayed:
+            reason = "the rod misses it, or the motion has no answer"
+            strokes = len(block.groups) if block.motions is None else len(block.motions)
+            notes.append(f"{block.name}: {stayed} of {strokes} are taken to leave the object where it was: {reason}")
     # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
     plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset")
     usual = {name: 0.0 if name.startswith(plain) else value for name, value in problem.space.nominal.items()}
@@ -283,26 +287,6 @@ def identify(
         isotropic = replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
     table = kind_errors(problem, fit, left_out, isotropic)
     return Identification(estimates, level, believed, table, found, fit, errors, tuple(notes), problem)
-
-
-def stayed_strokes(problem: JointProblem, fit: Fit) -> list[str]:
-    """Return, block by block, in how many strokes the fit leaves the object where it was, whatever the parameters.
-
-    That is so where the rod misses the object, and where the mechanics have no answer.
-    """
-    notes = []
-    for number, block in enumerate(problem.blocks):
-        if block.motions is None or block.curve is not None:
-            continue
-        rows, strokes = problem.block_index == number, len(block.motions)
-        # The last row of each stroke is its turn.
-        off = fit.residuals[rows].reshape(strokes, -1)[:, -1]
-        moves = fit.jacobian[rows].reshape(strokes, -1).any(axis=1)
-        stays = int(np.sum(~moves & (np.abs(off + block.motions[:, 1]) < _NO_TURN)))
-        if stays:
-            reason = "the rod misses it, or the motion has no answer"
-            notes.append(f"{block.name}: in {stays} of {strokes} the fit leaves the object where it was: {reason}")
-    return notes
 
 
 def _problem(

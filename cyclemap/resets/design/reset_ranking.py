@@ -22,6 +22,8 @@ ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
 CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "most uniform", "cheapest"
 WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back only", "with a gripper", "yours", "as it is"
+# The best of the resets where the loop is left as it is.
+RESET = "best reset"
 # Pushes of a collection that is simulated for its histogram.
 MOST_PUSHES = 10_000
 # The loop as it is.

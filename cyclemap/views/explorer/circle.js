@@ -107,10 +107,11 @@ function crossing(of, low, high, first) {
 }
 
 // The stationary density at every degree, 1: uniform. Nystroem's method on places so near that a normal kernel's sum is
-// exact to 1e-4 of its peak; the balance by GMRES among densities without mass. Null where noise does not settle it.
-function stationaryDensity(map, sigma) {
+// exact to 1e-4 of its peak, unless degrees are to do; the balance by GMRES among densities without mass. Null where
+// noise does not settle it.
+function stationaryDensity(map, sigma, most = 8) {
   const steepest = Math.max(1, ...map.nodes.map(({ slope }) => Math.abs(slope)).sort((a, b) => a - b).slice(0, -map.nodes.length * 0.02 || undefined));
-  const finer = Math.min(8, Math.max(1, Math.ceil((0.75 * steepest * TURN) / CELLS / sigma)));
+  const finer = Math.min(most, Math.max(1, Math.ceil((0.75 * steepest * TURN) / CELLS / sigma)));
   const count = CELLS * finer, h = TURN / count;
   const half = Math.min(Math.ceil((6.5 * sigma) / h), count / 2 - 1), width = 2 * half + 1;
   const first = new Int32Array(count), weight = new Float64Array(count * width);

@@ -52,6 +52,7 @@ function tell(name, moved) {
 
 function show(answer) {
   const headline = find("headline");
+  state.shown = answer.id;
   headline.classList.toggle("refused", "refused" in answer);
   if (answer.refused) {
     headline.textContent = answer.refused;
@@ -67,6 +68,7 @@ function show(answer) {
   find("command").textContent = command();
   panels.show(drawn, state.before, given.measured);
   requestAnimationFrame(() => setTimeout(() => {
+    if (state.shown !== answer.id) return;
     document.body.dataset.milliseconds = (performance.now() - state.asked).toFixed(1);
     document.body.dataset.drawn = `${answer.id}-${answer.scene ? "written" : answer.fine ? "fine" : "rough"}`;
     globalThis.cyclemap = { answer: drawn, values: values() };

@@ -11,6 +11,7 @@ import math
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from importlib import metadata, resources
 from pathlib import Path
 
@@ -18,10 +19,11 @@ import jinja2
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import Portrait
+from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
+from cyclemap.protocol.collection_file import collection_tables, plain_numbers
 from cyclemap.protocol.setting_table import SHAPES, SHARES
 from cyclemap.views.explorer.answers import measured, of_portrait, slider_controls, slider_values
 from cyclemap.views.portrait_page import portrait_page
@@ -35,6 +37,7 @@ _FARTHEST, _FARTHEST_FROM_ORIGIN = 1.8, 0.04
 # Settings of the stories' floor, where the own one has none to tell.
 _USUAL_FLOOR = ("mu_a", "mu_b", "phi_deg", "m0", "n0")
 _DOTS_PER_INCH = 56
+_FRAME_HEIGHT = 860
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ def page_html(
     page = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     return page.from_string(_file("page.html")).render(
         data=data,
-        picture=base64.b64encode(render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)).decode(),
+        picture=base64.b64encode(_still(found)).decode(),
         policy=policy,
         style=style,
         plot=plot,
@@ -120,6 +123,36 @@ def page_html(
         downloads=downloads,
         provenance=provenance,
     )
+
+
+@dataclass(frozen=True)
+class ExplorerFrame:
+    """A page that a notebook shows in a frame of its own; where its scripts are not trusted, the picture (PNG)."""
+
+    page: str
+    picture: bytes
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, object]:
+        look = f'width="100%" height="{_FRAME_HEIGHT}" style="border: 1px solid #ccc"'
+        frame = f'<iframe sandbox="allow-scripts allow-downloads" {look} srcdoc="{escape(self.page)}"></iframe>'
+        return {"text/html": frame, "image/png": base64.b64encode(self.picture).decode()}
+
+
+def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> ExplorerFrame:
+    """Return the page of a loop for a notebook, 400 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
+
+    >>> from cyclemap import CollectionLoop
+    >>> sorted(explorer_frame(CollectionLoop.mit("plywood"))._repr_mimebundle_())
+    ['image/png', 'text/html']
+    """
+    found, tables = portrait(loop, sigma=sigma), collection_tables(loop)
+    settings = {key: value for table in tables.values() for key, value in plain_numbers(table).items()}
+    return ExplorerFrame(page_html(found, 0.0, (loop.material.name,), settings), _still(found))
+
+
+def _still(found: Portrait) -> bytes:
+    """The portrait as a small picture."""
+    return render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)
 
 
 def provenance_of(found: Portrait, command: str, inputs: Sequence[Path]) -> list[tuple[str, str]]:

@@ -56,7 +56,7 @@ async function answered({ id, values, start, cycles }, fine, alive) {
   if (fine) engine.set(values, FINEST);
   const points = fixedPoints(map, fine ? engine : null);
   engine.set(values, fine ? FINE : ROUGH);
-  const density = stationaryDensity(map, sigma);
+  const density = stationaryDensity(map, sigma, fine ? 8 : 1);
   const path = staircaseOf(map, sigma, start, cycles);
   const every = Math.max(1, Math.ceil(cycles / STAIRCASE_POINTS));
   const orbit = [start], courses = [];
@@ -89,7 +89,7 @@ async function stories({ values, floor, along, farthest }) {
       const refused = engine.set({ ...values, ...moved }, ROUGH);
       const { status, map } = refused ? { status: 0 } : await sampledMap(engine, 32, 0);
       if (status < 1) continue;
-      const density = stationaryDensity(map, values.noise_deg * RADIAN);
+      const density = stationaryDensity(map, values.noise_deg * RADIAN, 1);
       if (!density) continue;
       const points = fixedPoints(map, null);
       tried.push({ moved, highest: Math.max(...density), locks: points.some(({ stable }) => stable), many: points.length });

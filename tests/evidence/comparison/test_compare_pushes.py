@@ -115,6 +115,19 @@ def test_the_error_of_a_mean_allows_for_correlation() -> None:
     assert mean_error(independent[:2]) is None and within_error(0.1, None, 2) is None
 
 
+def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_few_and_correlated_the_values() -> None:
+    """Seeds 0 to 599; the error's own uncertainty counts: with 1.96 errors it would be refused in one case in eight."""
+    for count, correlation in ((20, 0.0), (40, 0.4)):
+        random, refused_ones = np.random.default_rng(count), 0
+        for _ in range(600):
+            values = random.standard_normal(count + 50)
+            for place in range(1, values.size):
+                values[place] = correlation * values[place - 1] + np.sqrt(1 - correlation**2) * values[place]
+            values = values[50:]
+            refused_ones += not within_error(float(values.mean()), mean_error(values), count)
+        assert 0.03 < refused_ones / 600 < 0.085
+
+
 def test_data_that_leave_nothing_are_refused(loop, written) -> None:
     table = written(own_pushes(loop, THETA[:4], shape="pot"))
     cases = [(table, {}, r"nothing is left of 4 pushes to compare with \(4: its outline is not told")]

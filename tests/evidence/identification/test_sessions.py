@@ -74,7 +74,8 @@ def test_samples_are_of_new_sessions_and_a_known_floor_is_the_belief_of_the_next
     domes = [first.sample(number).floor.dome for number in range(200)]
     assert np.std(domes) == pytest.approx(found.session_spread[0], rel=0.25)
     believed = known_beliefs(first, FLOOR_NAMES)
-    assert believed["floor_dome"][0] == pytest.approx(first.floor.dome)
+    # The mean of 200 samples, each off by the spread and by what is not known of the mean.
+    assert believed["floor_dome"][0] == pytest.approx(first.floor.dome, abs=0.3 * found.session_spread[0])
     # Of the mean alone, twelve sessions leave less than the half of the spread.
     assert 0.2 * found.session_spread[0] < believed["floor_dome"][1] < 0.8 * found.session_spread[0]
     new = observed(MEAN, "new", np.random.default_rng(9))
