@@ -141,7 +141,7 @@ class ExplorerFrame:
 
 
 def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> ExplorerFrame:
-    """Return the page of a loop for a notebook, 400 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
+    """Return the page of a loop for a notebook, 350 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
 
     >>> from cyclemap import CollectionLoop
     >>> sorted(explorer_frame(CollectionLoop.mit("plywood"))._repr_mimebundle_())
