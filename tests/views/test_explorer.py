@@ -98,12 +98,12 @@ def test_numbers_of_the_browser_are_those_of_python(explored, open_page) -> None
         )
     page = open_page(explored.as_uri(), offline=True)
     answers = page.evaluate(ASK, asked)
-    theta = np.radians(np.arange(0, 360, 10))
+    theta = np.radians(np.arange(360))
     with_points = 0
     for (material, settings, moved), answer in zip(CASES, answers, strict=True):
         assert "refused" not in answer, (material, moved, answer)
         loop = loop_of(material, {**settings, **moved})
-        off = replace(loop, accuracy=1e-9).next_theta(theta) - theta - np.radians(answer["turn"][:360:10])
+        off = replace(loop, accuracy=1e-9).next_theta(theta) - theta - np.radians(answer["turn"][:360])
         assert np.abs(off).max() < 1e-6, (material, moved)
         points = [math.radians(point["theta_deg"]) for point in answer["fixed_points"]]
         true = fixed_points(loop)
