@@ -13,6 +13,7 @@ portrait, Portrait : cycle map, fixed points, rotation, stationary distribution,
 staircase_forecast, StaircaseForecast : the staircase alone
 direction_uncertainty, DirectionUncertainty, DirectionInterval : how well stable directions are known
 direction_margins, DirectionMargin, DirectionChange : how far each setting is from losing or gaining one
+change_curve : where that happens in a plane of two settings
 batch_experiment, BatchExperiment, BatchRun : batches of cycles from all around, as in the paper
 
 To first order in the anisotropy
@@ -40,7 +41,12 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
-    from cyclemap.collection.direction_margins import DirectionChange, DirectionMargin, direction_margins
+    from cyclemap.collection.direction_margins import (
+        DirectionChange,
+        DirectionMargin,
+        change_curve,
+        direction_margins,
+    )
     from cyclemap.collection.dynamic_loop import (
         DynamicCycle,
         DynamicLoop,
@@ -67,4 +73,4 @@ __all__ += ["Anisotropy", "Fingerprint", "Prediction", "PredictionCheck", "TurnR
 __all__ += ["fingerprint", "predict"]
 __all__ += ["DynamicCycle", "DynamicLoop", "DynamicsComparison", "compare_dynamics", "isotropic_twin"]
 __all__ += ["CheckedCollection", "OutlineFile", "check_collection", "read_outline"]
-__all__ += ["DirectionChange", "DirectionMargin", "direction_margins"]
+__all__ += ["DirectionChange", "DirectionMargin", "change_curve", "direction_margins"]
