@@ -45,6 +45,7 @@ _AXES = "How much one axis of friction may be longer against the other.  [defaul
 _OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
 _LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
 _MARGIN = "Tell how far every setting is from losing or gaining a stable direction: some seconds, minutes under shapes."
+_ASKED = "What is asked: stable directions and whether there are any, the whole map, or where pushes end."
 _NOT_NEGATIVE, _ABOVE_ZERO = Real(min=0.0), Real(min=0.0, min_open=True)
 _SHARE, _PERCENT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.0, max=100.0, max_open=True)
 _WAIT = Real(min=0.01, max=86400.0)
@@ -145,6 +146,31 @@ command(
     result_options("probe.png and .json"),
 )
 command(
+    "plan",
+    """Plan the pushes that tell most of where your object locks in, to make by hand or robot, and a table to fill in.
+
+    OBJECT is a file that cyclemap init made. What is believed of the floor are the samples of --floor. A push is
+    measured before, after, and, where there is a ring, once it is dragged back to where the ring was: by two corners
+    with a ruler, or by a pose. Rows may stay empty, or be added. --after takes the tables that are filled in, and tells
+    whether that is enough, or the next pushes.
+    """,
+    argument("object_file", metavar="OBJECT", type=PATH),
+    set_option,
+    option("--floor", metavar="MATERIAL", default="unknown", help="What is believed of it: a name or a TOML file."),
+    option("--pushes", type=Whole(1, 32), default=8, help="How many."),
+    option("--for", "target", type=Choice(["direction", "map", "pushes"]), default="direction", help=_ASKED),
+    option("--grid", metavar="DEG", default="15", help="Between orientations set by hand; free: any, for a robot."),
+    option("--room-mm", metavar="X,Y", default="600,400", help="Of the table, for object and rod."),
+    option("--by", type=Choice(["corners", "pose"]), help="What the table asks for. [default: corners; pose if free]"),
+    option("--excel", is_flag=True, help="Write the table as an Excel file."),
+    option("--error-mm", type=_NOT_NEGATIVE, default=1.0, help="Standard deviation of a measured place."),
+    option("--error-deg", type=_NOT_NEGATIVE, default=1.0, help="And of a measured angle."),
+    option("--after", metavar="TABLE", type=PATH, multiple=True, help="A table that is filled in; repeatable."),
+    option("--until-deg", type=_ABOVE_ZERO, default=5.0, help="Enough, where 95 % are within so much."),
+    option("--seed", type=Whole(min=0), default=0, help="Seed of the pushes that are looked at."),
+    result_options("plan_OBJECT.csv, .png and .json, and the robot's schedule"),
+)
+command(
     "cycle",
     """Run single cycles: one push and one drag back from each start angle.""",
     loop_options,
@@ -178,16 +204,16 @@ command(
 )
 command(
     "explore",
-    """Move sliders and see the object move, its map, its stable directions and its staircase, in the browser.
+    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and staircase.
 
-    MATERIAL is plywood where none is given. The page is served on this machine only; Ctrl-C ends it.
+    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself: no network, no
+    server, no installation where it is mailed to.
     """,
     protocol_options,
     option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves."),
     table_options,
-    option(
-        "--browser/--no-browser", default=True, show_default=False, help="Open the page, or only print its address."
-    ),
+    option("--browser/--no-browser", default=True, show_default=False, help="Open the page, or only write it."),
+    option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
 )
 command(
     "dynamics",
@@ -363,7 +389,7 @@ command(
 )
 command(
     "report",
-    "Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance.",
+    "Write report_MATERIAL.html: verdict, the explorer's page, data beside it, what to do, provenance.",
     loop_options,
     option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by."),
     table_options,

@@ -12,13 +12,13 @@ import numpy as np
 from cyclemap.file_text import MILLIMETRES
 
 if TYPE_CHECKING:
-    from cyclemap.collection.direction_margins import DirectionMargin
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import Orbit, RestMultiplier, SlowZone, StaircaseSummary, StepComparison, Steps
     from cyclemap.resets import ResetStrategy
+    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 Json = dict[str, object]
 
@@ -47,6 +47,9 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
             "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
             **numbers_of(operator, "spectral_gap", "mixing_cycles"),
             "tv_from_uniform": number(portrait.tv_from_uniform),
+            "held": [
+                {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
+            ],
         },
         "staircase": _staircase(portrait.prediction),
     }
@@ -140,7 +143,7 @@ def multiplier_report(found: RestMultiplier | None) -> Json | None:
 
 def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
     """How far each setting is from a change of the stable directions, nearest first, in the units of the keys."""
-    from cyclemap.collection.setting_table import SETTINGS
+    from cyclemap.protocol.setting_table import SETTINGS
 
     found: list[Json] = []
     for one in margins:

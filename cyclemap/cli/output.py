@@ -25,8 +25,8 @@ from cyclemap.text_files import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from cyclemap.collection.direction_margins import DirectionMargin
     from cyclemap.collection.loop import CollectionLoop
+    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
 # More letters than any table has in a row.
@@ -194,7 +194,7 @@ class PeopleConsole(Console):
 
 def margins_of(loop: CollectionLoop) -> tuple[DirectionMargin, ...]:
     """How far every setting of a loop is from a change of its stable directions, with progress."""
-    from cyclemap.collection.direction_margins import direction_margins
+    from cyclemap.sweeps.direction_margins import direction_margins
 
     with progress_bar("margins of the settings") as report:
         return direction_margins(loop, progress=report)

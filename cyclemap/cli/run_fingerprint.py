@@ -13,7 +13,6 @@ from cyclemap.cli.json_report import (
     orbit_report,
     uncertainty_report,
 )
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import (
     PeopleConsole,
     margins_of,
@@ -23,12 +22,12 @@ from cyclemap.cli.output import (
     result_stem,
     tell_margins,
 )
-from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
 

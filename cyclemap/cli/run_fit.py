@@ -13,7 +13,6 @@ from rich.table import Table
 from cyclemap.cli.json_report import Json, degrees, multiplier_report, number, numbers, numbers_of
 from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
-from cyclemap.cli.settings import loop_beside
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.motion_check import check_pushes
@@ -22,6 +21,7 @@ from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleM
 from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
 
 # Bad files are told by name up to this many, and counted beyond.

@@ -9,14 +9,10 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
-from cyclemap.cli.settings import chosen_loop, told_settings
-from cyclemap.collection.collection_file import collection_tables, collection_text
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import NOISE_KEY
-from cyclemap.collection.settings import with_material
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
@@ -27,7 +23,7 @@ from cyclemap.evidence.identification.known_floor import (
     known_shapes,
     known_spread,
 )
-from cyclemap.evidence.identification.surface_parameters import starting_space
+from cyclemap.evidence.identification.surface_parameters import SURFACE, starting_space
 from cyclemap.evidence.identified_material import (
     Derived,
     derived_quantities,
@@ -41,6 +37,9 @@ from cyclemap.mechanics import EllipseFriction, Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.collection_file import collection_tables, collection_text
+from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.views.style import render
@@ -81,7 +80,8 @@ def run_identify(
         )  # fmt: skip
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
-    named = named or tuple(one for one in telling_parameters(collected.blocks, known is not None) if one not in fixed)
+    believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
+    named = named or tuple(one for one in telling_parameters(collected.blocks, believed) if one not in fixed)
     held = held_values(collected.blocks, space, named, known)
     beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
@@ -91,7 +91,7 @@ def run_identify(
             named,
             held | {key: at for key, at in fixed.items() if key not in named},
             priors={} if no_priors else beliefs,
-            noise=known_spread(known, collected.blocks),
+            noise={**collected.noise, **known_spread(known, collected.blocks)},
             folds=folds if folds is not None else min(5, groups) if groups > 1 else 0,
             starts=starts,
             student=None if student == math.inf else student,
@@ -125,7 +125,7 @@ def _conclude(
         headline(material.name, derived, found.friction()),
     )
     # The material file names object, push and ring that it was found with where these are not MIT's own.
-    loop = with_material(data.loop, material)
+    loop = data.loop.with_material(material)
     is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
     page = identify_page(answer, found, identified_curves(found, data.scans, seed), page_sentences(found))
     toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"

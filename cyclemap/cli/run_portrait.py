@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_report import margins_report, portrait_report
-from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
+from cyclemap.cli.options import TableOptions, measured_orientations
 from cyclemap.cli.output import (
     PeopleConsole,
     margins_of,
@@ -18,10 +18,10 @@ from cyclemap.cli.output import (
     result_stem,
     tell_margins,
 )
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
 

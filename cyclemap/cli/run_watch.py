@@ -9,11 +9,12 @@ from typing import Any
 import click
 
 from cyclemap.cli.json_report import Json, degrees, direction_deg, multiplier_report, number, numbers_of
-from cyclemap.cli.options import LoopOptions, TableOptions, tell_what_was_read, told_columns
+from cyclemap.cli.options import TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.maps import rest_multiplier
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction, next_action, strategy_maps, watch
 from cyclemap.resets.monitor.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
@@ -32,7 +33,8 @@ def run_watch(
 ) -> None:  # fmt: skip
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
-    feed, monitor, reports = theta0_feed(file, columns, units, **table.convention), BiasMonitor(alarm_rate), list[Any]()
+    feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
+    monitor, reports = BiasMonitor(alarm_rate), list[Any]()
     if not follow:
         found, choose = feed.look(finished=True), _chooser(protocol, material)
         tell_what_was_read(found.words, found.guessed)

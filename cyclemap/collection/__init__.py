@@ -12,8 +12,6 @@ What it does
 portrait, Portrait : cycle map, fixed points, rotation, stationary distribution, staircase
 staircase_forecast, StaircaseForecast : the staircase alone
 direction_uncertainty, DirectionUncertainty, DirectionInterval : how well stable directions are known
-direction_margins, DirectionMargin, DirectionChange : how far each setting is from losing or gaining one
-change_curve : where that happens in a plane of two settings
 batch_experiment, BatchExperiment, BatchRun : batches of cycles from all around, as in the paper
 
 To first order in the anisotropy
@@ -27,11 +25,6 @@ With inertia
 DynamicLoop, DynamicCycle : the loop by the dynamic simulation
 compare_dynamics, DynamicsComparison : both routes from the same orientations
 isotropic_twin : the loop on a surface that has no preferred direction
-
-An object of one's own
-----------------------
-read_outline, OutlineFile : its outline from a drawing or a model
-check_collection, CheckedCollection : what is likely wrong with a collection file
 """
 
 from typing import TYPE_CHECKING
@@ -41,12 +34,6 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
-    from cyclemap.collection.direction_margins import (
-        DirectionChange,
-        DirectionMargin,
-        change_curve,
-        direction_margins,
-    )
     from cyclemap.collection.dynamic_loop import (
         DynamicCycle,
         DynamicLoop,
@@ -57,8 +44,6 @@ if TYPE_CHECKING:
     from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
     from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
     from cyclemap.collection.loop import CollectionLoop, Cycle, Cycles, CycleSensitivity, CycleTrajectory, run_cycles
-    from cyclemap.collection.outline_files import OutlineFile, read_outline
-    from cyclemap.collection.own_object import CheckedCollection, check_collection
     from cyclemap.collection.portrait import Portrait, StaircaseForecast, portrait, staircase_forecast
     from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty, direction_uncertainty
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
@@ -72,5 +57,3 @@ __all__ += ["StaircaseForecast", "batch_experiment", "direction_uncertainty", "p
 __all__ += ["Anisotropy", "Fingerprint", "Prediction", "PredictionCheck", "TurnResponse", "check_prediction"]
 __all__ += ["fingerprint", "predict"]
 __all__ += ["DynamicCycle", "DynamicLoop", "DynamicsComparison", "compare_dynamics", "isotropic_twin"]
-__all__ += ["CheckedCollection", "OutlineFile", "check_collection", "read_outline"]
-__all__ += ["DirectionChange", "DirectionMargin", "change_curve", "direction_margins"]

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import sampled_loop
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
@@ -86,6 +85,22 @@ class DirectionUncertainty:
         """Return the interval of the stated numbers' stable direction `theta`, rad; None where there is none."""
         near = [one for one in self.directions if one.theta is not None and abs(shorter_way(one.theta - theta)) < 0.01]
         return near[0] if near else None
+
+
+def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
+    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
+
+    Raises InvalidInput where there is no such sample.
+    """
+    stated, sample = loop.material, loop.material.sample(number)
+    bare = replace(loop, footprint=None)
+    before, after = bare.with_material(stated), bare.with_material(sample)
+    parts = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if getattr(before, name) == getattr(loop, name)
+    }
+    return replace(loop, material=sample, **parts)
 
 
 def direction_uncertainty(

@@ -26,6 +26,7 @@ DataBlock : data of one sort and their prediction
 push_end_block, drag_turn_block, cycle_pair_block, friction_scan_block, wrench_twist_block : blocks by sort
 collected_blocks : the blocks of all data in files and folders
 friction_ellipse_from_scans, contact_force_ratio : from forces alone
+plan_pushes, PushPlan : which pushes to make, and what they will tell
 
 Comparing
 ---------
@@ -80,6 +81,7 @@ if TYPE_CHECKING:
         watson_statistic,
     )
     from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
+    from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
@@ -115,6 +117,7 @@ __all__ += ["FittedMap", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
 __all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
+__all__ += ["PushPlan", "plan_pushes"]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
 __all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]

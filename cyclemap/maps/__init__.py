@@ -43,11 +43,13 @@ Noise, WrappedNormal, VonMises, WrappedCauchy, UniformNoise : the same everywher
 LocalNoise : kicks whose size depends on θ, for sampled paths
 transfer_operator, TransferOperator : stationary density, moments, rotation, with error bounds
 Spectrum : eigenvalues, with error bounds
+MetastableSet : angles that a path rarely leaves, how often it is there
 
 Passages
 --------
 mean_passage_time, log10_passage_time : cycles until an arc is left
 hitting_probability, survival_probabilities : which arc first; staying for n cycles
+quasi_stationary, QuasiStationary : where a path is that has not left an arc, and to which side it slips out
 
 Staircases
 ----------
@@ -99,6 +101,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.lifts.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.noise.bounded_noise import UniformNoise, VonMises
     from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.operator.metastability import MetastableSet
     from cyclemap.maps.operator.spectrum import Spectrum
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
@@ -122,6 +125,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
     from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time, survival_probabilities
+    from cyclemap.maps.passages.quasi_stationary import QuasiStationary, quasi_stationary
     from cyclemap.maps.staircases.early_warning import RestMultiplier, rest_multiplier
     from cyclemap.maps.staircases.slow_zones import (
         DriftSummary,
@@ -151,12 +155,13 @@ __all__ += ["BifurcationCurve", "CodimensionTwo", "bifurcation_curves", "follow_
 __all__ += ["Response", "RestMultiplier", "SlowFold", "response", "rest_multiplier", "slow_folds"]
 __all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
 __all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
-__all__ += ["Spectrum", "TransferOperator", "transfer_operator"]
+__all__ += ["MetastableSet", "Spectrum", "TransferOperator", "transfer_operator"]
 __all__ += ["Basin", "JumpCrossing", "Orbit", "PeriodicPoints", "RotationInterval", "RotationNumber", "SlowPassage"]
 __all__ += ["basins", "birkhoff_average", "crossings_by_jump", "fixed_points", "is_nondecreasing", "lower_envelope"]
 __all__ += ["periodic_orbits", "periodic_points", "rotation_interval", "rotation_number", "slow_passages"]
 __all__ += ["upper_envelope"]
-__all__ += ["hitting_probability", "log10_passage_time", "mean_passage_time", "survival_probabilities"]
+__all__ += ["QuasiStationary", "hitting_probability", "log10_passage_time", "mean_passage_time", "quasi_stationary"]
+__all__ += ["survival_probabilities"]
 __all__ += ["DriftSummary", "DriftingMap", "LocalNoise", "SlowZone", "Staircase", "StaircaseSummary", "StepComparison"]
 __all__ += ["Steps", "compare_steps", "find_steps", "predict_drift", "predict_staircase", "sample_staircase"]
 __all__ += ["sample_staircases"]

@@ -8,17 +8,17 @@ from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
-from cyclemap.collection.direction_margins import DirectionMargin
-from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
-from cyclemap.collection.setting_table import SETTINGS
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import RestMultiplier, StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.setting_table import SETTINGS
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence import MapAgreement
+    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 
 # A stay longer than this is beyond any experiment: only its order of magnitude is told.
@@ -28,6 +28,9 @@ MOST_PEAKS = 3
 _MISFIT_LETTERS = 480
 # Decimals of a degree at most: no orientation is known better.
 _FINEST = 3
+_COUNTS = {2: "two", 3: "three", 4: "four"}
+# A share is told in whole per cent where it is known so well.
+_TOLD_SHARE = 0.005
 
 
 def headline(portrait: Portrait) -> str:
@@ -198,10 +201,15 @@ def noise_sentence(portrait: Portrait) -> str:
         return f"{noise} the loop {stays}, and moves on once in {forgotten}."
     peaks = portrait.highest_peaks[:MOST_PEAKS]
     where = f"peak at {listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
-    return (
-        f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
-        f"the start is forgotten in {forgotten}."
-    )
+    sentence = f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
+    sentence += f"the start is forgotten in {forgotten}."
+    held = [one for one in portrait.held if one.share.error_bound < _TOLD_SHARE]
+    if len(held) < 2:
+        return sentence
+    shares = listed([f"{one.share:.0%} near {angle(one.peak, 0)}" for one in held])
+    change = 1.0 / sum(one.share * one.leaving for one in held)
+    many = _COUNTS.get(len(held), str(len(held)))
+    return f"{sentence} Noise holds {many} directions: {shares}, a change every {cycles(change)}."
 
 
 def staircase_sentence(portrait: Portrait) -> str:

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from cyclemap.cli import main
-from cyclemap.resets import read_protocol, read_schedule
+from cyclemap.protocol import read_protocol, read_schedule
 
 pytestmark = pytest.mark.slow
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap import maps
 from cyclemap.maps import (
@@ -22,7 +23,6 @@ from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 from cyclemap.maps.orbits.rotation_number import weighted_mean
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 from tests.maps.known_maps import DOUBLING
-from tests.refusals import refused
 
 RIGID, STICKY, NOISE, UNIFORM = CircleMap.rigid(0.1), CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), UniformNoise(1.0)
 JUMPING_BACK = CircleMap.from_branches([(0, 3, lambda x: 2 * x, None), (3, 2 * np.pi, lambda x: x, None)])

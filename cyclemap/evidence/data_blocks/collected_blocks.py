@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,8 +15,6 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
-from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
@@ -34,10 +32,18 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     TIP_OFFSET,
     cycle_pair_block,
     drag_turn_block,
+    predicted_push_ends,
     push_end_block,
+    surface_model,
 )
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of, session_block
-from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, PLATE_NAMES, SURFACE
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD_NAMES,
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+    SurfaceParameters,
+)
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -58,10 +64,13 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
     told_push,
 )
+from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE, push_noise
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, load_pushes, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
@@ -87,6 +96,9 @@ _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
 _FEWEST_CONTACTS = 8
 # A session whose robot was this far from where it was sent (m), and so many times further than in others, is odd.
 _ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
+# So is one in which a plate turns by this share less or more than in another, and by so many standard errors; so many
+# pushes, at least and at most, tell.
+_TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS, _MOST_TURNS = 0.15, 4.0, 20, 200
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
@@ -187,9 +199,12 @@ class BlockBuilder:
         self.plates: list[str] = []
         self.sessions: list[str] = []
         self.tip_errors: dict[str, float] = {}
+        # Pushes by plate and session.
+        self.pushes: dict[str, dict[str, list[MeasuredPush]]] = {}
         self.notes: list[FileNote] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
+        self.known_noise, self.unknown_noise = dict[str, float](), set[str]()
 
     def add_file(
         self, path: Path, sort: str, selection: RowSelection, progress: Progress
@@ -264,14 +279,42 @@ class BlockBuilder:
         )
 
     def _odd_sessions(self) -> list[str]:
-        """Sessions in which the robot strayed unlike in the others, with a note of each."""
+        """Sessions whose robot strayed, or whose plate turned, unlike in the others, with a note of each."""
         usual = float(np.median([*self.tip_errors.values()])) if self.tip_errors else 0.0
-        odd = [one for one, size in self.tip_errors.items() if size > max(_ASTRAY, _TIMES * usual)]
-        for session in odd:
-            off, others = 1e3 * self.tip_errors[session], 1e3 * usual
-            told = f"the rod was {off:.2g} mm from where it was sent on average, {others:.2g} mm in others"
-            words = f"an odd session, {told}: it does not count to the floor's mean"
+        odd = {}
+        for session, size in self.tip_errors.items():
+            if size > max(_ASTRAY, _TIMES * usual):
+                strayed = f"{1e3 * size:.2g} mm from where it was sent on average, {1e3 * usual:.2g} mm in others"
+                odd[session] = f"the rod was {strayed}"
+        for plate, sessions in self.pushes.items():
+            counted = {session: own for session, own in sessions.items() if len(own) >= _FEWEST_TURNS}
+            if len(counted) > 1:
+                slider = loop_of_plate(self.given, plate).slider
+                odd |= self._turned_unlike({session: flat_turns(own, slider) for session, own in counted.items()})
+        for session, reason in odd.items():
+            words = f"an odd session, {reason}: it does not count to the floor's mean"
             self.notes.append(FileNote(session, words))
+        return [*odd]
+
+    def _turned_unlike(self, turns: Mapping[str, tuple[float, float]]) -> dict[str, str]:
+        """Of sessions of one plate those that turned it unlike the others, and why; turns : of each, see `flat_turns`.
+
+        Of two that differ the odd one is that whose robot strayed more; where nothing tells, both are noted only.
+        """
+        odd = {}
+        for session, (ratio, error) in turns.items():
+            # The median of all, of two the other one.
+            ranked = sorted(both for name, both in turns.items() if len(turns) > 2 or name != session)
+            other, its_error = ranked[(len(ranked) - 1) // 2]
+            apart = abs(ratio - other)
+            if apart <= _TURNS_APART * max(ratio, other) or apart <= _TURN_ERRORS * math.hypot(error, its_error):
+                continue
+            astray = [self.tip_errors.get(name, 0.0) for name in turns if name != session]
+            reason = f"its turns are {ratio:.2f} of isotropic friction's on a flat floor, {other:.2f} in others"
+            if len(turns) > 2 or self.tip_errors.get(session, 0.0) > max(astray):
+                odd[session] = reason
+            elif self.tip_errors.get(session, 0.0) == max(astray):
+                self.notes.append(FileNote(session, f"{reason}; nothing tells which of the two is odd"))
         return odd
 
     def _add_unreadable(self, pushes: PushTable) -> None:
@@ -284,8 +327,13 @@ class BlockBuilder:
     def _note(self, words: str) -> None:
         self.notes.append(FileNote(str(self.path), words))
 
-    def _add(self, block: DataBlock, words: str) -> None:
-        """Add a block of the session, and a note of what it holds."""
+    def _add(self, block: DataBlock, words: str, noise: Mapping[str, float] | None = None) -> None:
+        """Add a block of the session, and a note of what it holds; noise : of its kinds, where the data tell it."""
+        for kind in set(block.kinds.tolist()):
+            if noise is None:
+                self.unknown_noise.add(kind)
+            else:
+                self.known_noise[kind] = max(noise[kind], self.known_noise.get(kind, 0.0))
         self.blocks.append(block)
         self.plates.append(self.plate)
         self.sessions.append(self.session)
@@ -388,10 +436,14 @@ class BlockBuilder:
         else:
             self._add(force_ratio_block(sliding), f"{pieces} force ratios while the rod slides, in {count} pushes")
 
-    def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
+    def _add_push_ends(
+        self, pushes: Sequence[MeasuredPush], noise: Mapping[str, float] | None = None, frames_agree: bool = False
+    ) -> None:
         kept = _thinned(pushes, self.most)
         if kept:
-            self._add(push_end_block(kept, self.loop.slider, self.target), f"{_counted(kept, pushes)} push ends")
+            self.pushes.setdefault(self.plate, {}).setdefault(self.session, _thinned(pushes, _MOST_TURNS))
+            block = push_end_block(kept, self.loop.slider, self.target, frames_agree)
+            self._add(block, f"{_counted(kept, pushes)} push ends", noise)
 
     def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
@@ -402,11 +454,12 @@ class BlockBuilder:
             self._leave_out(Counter({"the tip was not where it was sent": len(rows) - len(pushes)}))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=number) for number, push in enumerate(pushes))
-            self._add_push_ends(pushes)
+            self._add_push_ends(pushes, _told_noise(table, rows), FRAMES_AGREE in table.header)
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
-            kept = _thinned(drags, self.most)
-            self._add(drag_turn_block(kept, self.loop.slider, self.target), f"{_counted(kept, drags)} drag-backs")
+            kept, noise = _thinned(drags, self.most), _told_noise(table, rows)
+            block = drag_turn_block(kept, self.loop.slider, self.target)
+            self._add(block, f"{_counted(kept, drags)} drag-backs", noise)
         else:
             outline = self.loop.slider.outline
             data = read_wrench_twists(table, rows, outline.extent)
@@ -417,6 +470,15 @@ class BlockBuilder:
             if len(sources) > 1:
                 listed = ", ".join(sources)
                 self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
+
+
+def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | None:
+    """How far measured pushes and drags are off, by kind of noise, where a table tells how far its readings are."""
+    if not {*ERRORS} <= set(table.header):
+        return None
+    read = np.array([[table.number(row, name) for name in ERRORS] for row in rows])
+    along, _, turned, dragged = push_noise((1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))))
+    return {"push place (m)": float(along), "push turn (rad)": float(turned), "drag turn (rad)": float(dragged)}
 
 
 def _plates_and_speeds(facts: Sequence[Mapping[str, Any]], plate: str) -> list[tuple[str, float | None]]:
@@ -435,6 +497,16 @@ def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
     if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
         return loop
     return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
+
+
+def flat_turns(pushes: Sequence[MeasuredPush], slider: Slider) -> tuple[float, float]:
+    """Return the mean size of turns over that of isotropic friction on a flat floor, and its standard error."""
+    ends = predicted_push_ends(surface_model(SurfaceParameters(), slider), pushes)[0]
+    predicted = np.abs(ends[:, 2] - [push.start.theta for push in pushes])
+    measured = np.abs([push.end.theta - push.start.theta for push in pushes])
+    mean = max(float(np.mean(predicted)), 1e-9)
+    ratio = float(np.mean(measured)) / mean
+    return ratio, float(np.std(measured - ratio * predicted)) / math.sqrt(len(pushes)) / mean
 
 
 def _cycle_groups(count: int) -> Labels:
@@ -458,6 +530,7 @@ class CollectedBlocks:
     last one tells how sessions may differ. notes : what was recognised, what was left out
     and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
     scans : (n, 2) tractions of friction scans. last_cycle : how many the last is behind the first; 0 where unknown.
+    noise : of the kinds of noise that all of their data tell.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -466,6 +539,7 @@ class CollectedBlocks:
     loop: CollectionLoop
     scans: Array | None
     last_cycle: float
+    noise: Mapping[str, float]
 
 
 def collected_blocks(
@@ -536,22 +610,24 @@ def collected_blocks(
     notes = joined_notes([*builder.notes, *(FileNote(str(file.path), f"not used: {file.reason}") for file in unused)])
     scans = np.concatenate(builder.scans) if builder.scans else None
     loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
+    noise = {kind: size for kind, size in builder.known_noise.items() if kind not in builder.unknown_noise}
+    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle, noise)
 
 
-def telling_parameters(blocks: Sequence[DataBlock], of_known_floor: bool = False) -> tuple[str, ...]:
+def telling_parameters(blocks: Sequence[DataBlock], believed: Collection[str] | None = None) -> tuple[str, ...]:
     """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
 
     The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates, the rod, how each
     data set's frame is shifted, friction in the ring with drags or cycles, how the surface wears; of four sessions and
-    more, how the floor's shape varies with the place. Single pushes and drags on a known floor take its ellipse.
+    more, how the floor's shape varies with the place. believed : of a known floor, what its samples tell of the
+    ellipse; single pushes and drags take the rest of it as it stands.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
     of_ellipse = {name for block in blocks if block.curve or block.motions is None for name in block.parameters}
-    by_motions = set() if of_known_floor else asked & {*SURFACE.names[1:5]}
+    by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
     free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]

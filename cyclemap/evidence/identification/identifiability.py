@@ -39,8 +39,8 @@ class Uncertainty:
 def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) -> Uncertainty:
     """Return the uncertainty of a fit from its derivatives, good to first order.
 
-    Rows of single groups: the inverse information. Where rows share groups: the sandwich of Liang & Zeger. To both
-    comes what estimating the weights of the kinds from the same data costs.
+    Rows of single groups, or of noise that was given: the inverse information. Where rows share groups otherwise: the
+    sandwich of Liang & Zeger. To both comes what estimating the weights of the kinds from the same data costs.
     """
     law, scale, kinds = law or NoiseLaw(), problem.space.scale, problem.kind_index
     jacobian = fit.jacobian / fit.noise[kinds, None] * scale
@@ -50,7 +50,8 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
     by_weights, freedom = _kind_variance(jacobian, inverse, kinds, fit.known)
     by_weights /= law.information
-    if len(np.unique(problem.groups)) == len(problem.groups):
+    is_given = bool(np.all(fit.known[kinds]))
+    if is_given or len(np.unique(problem.groups)) == len(problem.groups):
         covariance = inverse / law.information + 2.0 * by_weights
     else:
         scaled = fit.residuals / fit.noise[kinds]

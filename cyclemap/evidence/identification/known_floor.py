@@ -11,13 +11,17 @@ from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,
     FLOOR_NAMES,
     PLATE_NAMES,
+    SURFACE,
     ParameterSpace,
+    SurfaceParameters,
     field_factors,
 )
 from cyclemap.mechanics import Material, PlatePressure
 
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
+# What is told of the friction ellipse, but for its size, which no motion tells.
+ELLIPSE = SURFACE.names[1:5]
 _FOUND = ("pusher_friction", "pin_friction_radius")
 # How well a material knows what it has no samples of.
 _SURE, _SURE_SHAPE = {"pusher_friction": 0.02, "pin_friction_radius": 5e-4}, 0.5
@@ -28,7 +32,7 @@ def known_beliefs(floor: Material | None, names: Sequence[str], plate: str = "re
 
     plate : the object that names without one are of. Samples are of new sessions: of the floor's mean the spread
     between sessions is taken off again, down to what the number of its sessions leaves. Without samples shapes are
-    taken as known to .5 kPa, the rod's friction to .02, the ring's lever to .5 mm.
+    taken as known to .5 kPa, the rod's friction to .02, the ring's lever to .5 mm, the friction ellipse as it stands.
     """
     if floor is None:
         return {}
@@ -39,8 +43,9 @@ def known_beliefs(floor: Material | None, names: Sequence[str], plate: str = "re
         rows = [_told(one, plain, owner.rstrip("]") or plate) for one in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
-        best, *samples = np.array(rows, dtype=float).tolist()
-        width = float(np.std(samples)) if samples else _SURE.get(plain, _SURE_SHAPE)
+        stated, *samples = np.array(rows, dtype=float).tolist()
+        best = float(np.mean(samples)) if samples else stated
+        width = float(np.std(samples)) if samples else _SURE.get(plain, 0.0 if plain in ELLIPSE else _SURE_SHAPE)
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
             least = max(spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if samples else _SURE_SHAPE)
@@ -52,6 +57,8 @@ def known_beliefs(floor: Material | None, names: Sequence[str], plate: str = "re
 
 def _told(material: Material, name: str, plate: str) -> float | None:
     """What a material tells of an unknown by its plain name."""
+    if name in ELLIPSE:
+        return getattr(SurfaceParameters.from_friction(material.friction), name)  # type: ignore[no-any-return]
     if name in _FOUND:
         return getattr(material.found_with, name)  # type: ignore[no-any-return]
     if name in FLOOR_NAMES:

@@ -101,6 +101,11 @@ class FourierDiscretisation:
         return 2 * self.modes + 1
 
     @cached_property
+    def left_out(self) -> float:
+        """A bound on what one cycle makes of the modes that are not kept: the sum of the noise's coefficients there."""
+        return self.noise.tail(self.modes)
+
+    @cached_property
     def mass(self) -> Array:
         """(n,): 1 for the constant, 0 for every wave."""
         return np.asarray(np.eye(1, self.size)[0])
@@ -181,6 +186,14 @@ class FourierDiscretisation:
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
         back = -self._turned(_times(self.kappa, dual))
         return np.concatenate([after.T @ back for _, after in images])
+
+    def dual(self, theta: Array, dual: Array) -> Array:
+        """(m, k): at the angles, the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
+        return np.concatenate([here.T @ dual for _, here in WavesInBlocks(theta, self.modes)])
+
+    def backward(self, theta: Array, dual: Array) -> Array:
+        """(m, k): E z(F(θ) + ξ) at the angles for the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
+        return self.dual(self.map(theta), _times(self.kappa, dual))
 
     def on_nodes(self, law: Any) -> Any:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""

@@ -20,6 +20,7 @@ from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
+from cyclemap.maps.operator.metastability import MetastableSet, leaving_errors, slow_chain
 from cyclemap.maps.operator.poisson_equation import StationaryLaw, density_at
 from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
@@ -51,6 +52,7 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
 
 
 _POINTS = 8  # grid points a basis function
+_GRID = 16  # grid points a mode on which sets are told apart
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
@@ -238,6 +240,39 @@ class TransferOperator:
     def mixing_cycles(self) -> Estimate:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
         return mixing_time(self._second)
+
+    @one_thread
+    def metastable_sets(self) -> tuple[MetastableSet, ...]:
+        """The sets of angles among which noise rarely carries a path, the largest share first; or none.
+
+        Their arcs end where the slow left eigenfunctions say that a path belongs to either side alike: see
+        ``SlowChain``. Bounds: of the shares those of the density; of the chances of leaving see ``leaving_errors``.
+
+        >>> from cyclemap.maps.noise.noise import WrappedNormal
+        >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta) + 0.05 * np.sin(theta))
+        >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
+        >>> [(round(one.share, 4), round(1 / one.leaving)) for one in held]
+        [(0.8779, 10269), (0.1221, 1428)]
+        """
+        if not isinstance(self.discretisation, FourierDiscretisation):
+            raise InvalidInput(
+                f"the noise is {self.noise!r}: metastable sets need a smooth density, as WrappedNormal has"
+            )
+        spectrum = self.spectrum(_LEADING)
+        grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
+        chain = slow_chain(self.discretisation, spectrum, grid)
+        if chain is None:
+            return ()
+        errors = leaving_errors(chain, spectrum, grid)
+        sets = []
+        for arcs, leaving, error in zip(chain.arcs(grid), np.diag(chain.leaving), errors, strict=True):
+            rules = [arc_rule(self.map, start, end, self.modes, every_sample=False) for start, end in arcs]
+            theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+            density = self.density(theta)
+            share = Estimate(float(weight @ density), self.error_bound * float(weight.sum()) + INTEGRAL)
+            peak = float(np.mod(theta[np.argmax(density)], TWO_PI))
+            sets.append(MetastableSet(arcs, peak, share, Estimate(float(leaving), float(error))))
+        return tuple(sorted(sets, key=lambda held: -held.share))
 
     def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
         """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage_times``."""

@@ -80,3 +80,19 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
     assert len(found.uncertainty.open) == 2 and "idle is not fixed by the data" in found.notes
     assert any(f"{a} and {b} trade off" in " ".join(found.notes) for a, b in (names[:2], names[1::-1]))
     assert {(one.lower, one.upper, one.identifiable) for one in found.estimates} == {(0.1, 3.0, False)}
+
+
+def test_rows_of_known_noise_count_alone_though_they_share_groups() -> None:
+    """Of a straight line with noise that was given the covariance is the inverse information, to rounding."""
+    x = np.linspace(0.0, 1.0, 12)
+    columns = np.column_stack([np.ones(12), x])
+    data = columns @ (0.3, 0.2) + 0.05 * np.cos(9.0 * x)
+
+    def law(values):
+        return columns @ (values["offset_x"], values["offset_y"]) - data, columns
+
+    block = DataBlock("line", ("offset_x", "offset_y"), law, np.arange(12) // 3, "m")
+    found = identify([block], ["offset_x", "offset_y"], noise={"m": 0.05}, starts=1)
+    assert found.uncertainty.covariance == pytest.approx(0.05**2 * np.linalg.inv(columns.T @ columns), rel=1e-6)
+    free = identify([block], ["offset_x", "offset_y"], starts=1)
+    assert free.uncertainty.freedom.max() < 12.0 < found.uncertainty.freedom.min()

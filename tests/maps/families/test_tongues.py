@@ -9,6 +9,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
+from cyclemap.maps.families.tongues import unseen_height
 from tests.maps.known_maps import bumped, contraction, plateau, tent
 
 TWO_PI = 2 * np.pi
@@ -125,6 +126,30 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
     """Samples are added where they leave room: on the highest hump, far finer than the first ones."""
     family = bumped(1.5 * np.pi, width, 0.5 * width, K=0.2)
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
+
+
+@pytest.mark.parametrize("place", [0.1, 1.2345, 4.0])
+def test_how_far_a_value_may_lie_above_nought_is_found_between_samples(place):
+    """A bump of 2 mrad on a lift a milliradian below its diagonal, over it by 0.2 and below it by 0.1 of one."""
+    for below, over in ((1e-3, 2e-4), (1.3e-3, 0.0)):
+        circle = CircleMap(
+            lambda theta, below=below: theta - below + 1.2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2)),
+            lambda theta: 1.0 - 1.2 * (theta - place) / 2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2)),
+        )
+        height, where = unseen_height(circle, Fraction(0), 1.0)
+        assert over <= height + 1e-12 and height <= over + 1e-9
+        assert not over or abs(where - place) < 2e-3
+
+
+def test_what_is_not_seen_of_very_many_waves_is_in_the_edges_bound():
+    """2,000 waves touch the diagonal at once: the cells that are left have room, by which the edge may move."""
+    family = lambda omega: CircleMap(  # noqa: E731
+        lambda t: t + TWO_PI * omega + 2.5e-4 * np.cos(2000 * t), lambda t: 1.0 - 0.5 * np.sin(2000 * t)
+    )
+    left = tongue(family, 0, (-0.3, 0.3)).left
+    assert left.holds(-2.5e-4 / TWO_PI)
+    unseen, _ = unseen_height(family(float(left)), Fraction(0), 1.0)
+    assert left.error_bound >= 0.99 * unseen / TWO_PI > 1e-8
 
 
 def test_a_folded_tongue_is_where_an_orbit_of_that_rotation_number_exists():

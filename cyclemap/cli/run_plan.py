@@ -1,0 +1,189 @@
+"""`cyclemap plan`: pushes to make by hand or robot, as tables, sentences, JSON and a picture to print."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import click
+from rich.table import Table
+
+from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
+from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
+from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
+from cyclemap.evidence.push_plan.plan_table import robot_schedule, table_to_fill
+from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
+from cyclemap.protocol.collection_file import collection_text
+from cyclemap.text_files import write_whole
+from cyclemap.views.plan_page import known_words, measured_sentences, plan_page, plan_sentences
+
+FREE = "free"
+
+
+def run_plan(
+    object_file: Path, settings: tuple[str, ...], floor: str, pushes: int, target: str, grid: str, room_mm: str,
+    by: str | None, excel: bool, error_mm: float, error_deg: float, after: Sequence[Path], until_deg: float,
+    seed: int, out: Path, picture_format: str, json_target: str | None,
+) -> None:  # fmt: skip
+    """Plan what is asked for, after what was measured, write its tables and picture, and tell what will be known."""
+    if object_file.suffix != ".toml":
+        raise InvalidInput(f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with --shape")
+    step = None if grid == FREE else math.radians(_number("--grid", grid))
+    if step is not None and not math.radians(0.1) <= step <= math.pi:
+        raise InvalidInput(f"--grid {grid}: give the degrees between orientations, 0.1 to 180, or {FREE}")
+    loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
+    stem = out / f"plan_{file_stem(loop.slider.name)}"
+    within, measured = math.radians(until_deg), None
+    if after:
+        readable = [readable_data(path, TableOptions(), out) for path in after]
+        with progress_bar("identifying") as report:
+            measured = measured_plan(loop, readable, seed=seed, progress=report)
+        for words in implausible(measured.found, loop.slider.outline.extent):
+            click.echo(f"warning: this cannot be right: {words}", err=True)
+        loop = measured.loop
+        write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())
+        if measured.is_enough(within):
+            _tell_enough(measured, within, stem, json_target)
+            return
+    with progress_bar("choosing pushes") as report:
+        plan = plan_pushes(
+            loop, pushes, target=target, grid=step, room=_room(room_mm), seed=seed, progress=report,
+            read=(1e-3 * error_mm, math.radians(error_deg)),
+        )  # fmt: skip
+    by = by or ("pose" if step is None else "corners")
+    content = table_to_fill(plan, by, excel)
+    table = _unused(stem, ".xlsx" if excel else ".csv", content)
+    stem = table.with_suffix("")
+    robot = stem.with_name(f"{stem.name}_robot.csv")
+    write_whole(table, content)
+    write_whole(robot, robot_schedule(plan))
+    report_of = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
+    picture = publish(report_of, plan_page(plan), stem, picture_format, json_target)
+    if picture is None:
+        return
+    console = PeopleConsole()
+    if measured is not None:
+        console.tell(*filter(None, measured_sentences(measured, within)))
+    console.tell(*plan_sentences(plan))
+    console.print_table(push_table(plan))
+    console.print_table(knowledge_table(plan))
+    console.print(f"picture: {picture}")
+    console.print(f"for a robot: {robot}")
+    console.print(f"to fill in: {table}")
+    following = " ".join(f"--after {shlex.quote(str(path))}" for path in (*after, table))
+    console.print(f"next: cyclemap plan {shlex.quote(str(object_file))} {following}")
+
+
+def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target: str | None) -> None:
+    if publish_json(measured_report(measured, within), json_target):
+        return
+    floor = stem.with_name(f"{stem.name}_measured.toml")
+    PeopleConsole().tell(*filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}")
+    PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
+
+
+def _unused(stem: Path, suffix: str, content: bytes) -> Path:
+    """Where a table goes that is not there yet, so that one that was filled in is never written over."""
+    path, number = stem.with_name(f"{stem.name}{suffix}"), 1
+    while path.exists() and path.read_bytes() != content:
+        number += 1
+        path = stem.with_name(f"{stem.name}_{number}{suffix}")
+    return path
+
+
+def _number(option: str, text: str) -> float:
+    try:
+        return plain_number(text)
+    except ValueError as cause:
+        raise InvalidInput(f"{option} {text!r} is no number") from cause
+
+
+def _room(text: str) -> tuple[float, float]:
+    """The width and depth (m) of a text such as `600,400`, mm.
+
+    >>> _room("600, 400")
+    (0.6, 0.4)
+    """
+    parts = [1e-3 * _number("--room-mm", part.strip()) for part in text.split(",")]
+    if len(parts) != 2 or not 0.0 < min(parts) <= max(parts) <= 100.0:
+        raise InvalidInput(f"--room-mm {text!r}: give the width and depth of the table in mm, such as 600,400")
+    return parts[0], parts[1]
+
+
+def plan_report(plan: PushPlan) -> Json:
+    """The report of a plan; what will be known in degrees, mm and chances."""
+    return {
+        "object": plan.loop.slider.name,
+        "floor": plan.loop.material.name,
+        "for": plan.target,
+        "chance_of_lock_in": plan.chance,
+        "pushes": [
+            {
+                "side": one.push.side,
+                "fraction": one.push.fraction,
+                "angle_deg": degrees(one.push.angle),
+                "push_mm": millimetres(one.push.distance),
+                "set_x_mm": millimetres(one.start.x),
+                "set_y_mm": millimetres(one.start.y),
+                "set_theta_deg": degrees(one.start.theta),
+                "likely_x1_mm": millimetres(float(end[0])),
+                "likely_y1_mm": millimetres(float(end[1])),
+                "likely_theta1_deg": degrees(float(end[2])),
+            }
+            for one, end in zip(plan.pushes, plan.ends, strict=True)
+        ],
+        "knowledge": [
+            {"pushes": one.pushes, "planned": _known(one.planned), "random": _known(one.random)}
+            for one in plan.knowledge
+        ],
+        "one_push_lost": _known(plan.without),
+        "samples": plan.samples,
+        "candidates": plan.candidates,
+    }
+
+
+def _known(known: Mapping[str, float]) -> Json:
+    named: Json = {}
+    for name, value in known.items():
+        if name == "wrong":
+            named["chance_of_wrong_answer"] = value
+        elif name == "place":
+            named["place_mm"] = millimetres(value)
+        else:
+            named[f"{name}_deg"] = degrees(value)
+    return named
+
+
+def measured_report(measured: MeasuredPlan, within: float) -> Json:
+    """What the measured pushes told, and whether that is enough."""
+    return {
+        "enough": measured.is_enough(within),
+        "half_width_deg": degrees(measured.half_width),
+        "uncertainty": uncertainty_report(measured.directions),
+        "notes": [*measured.notes],
+    }
+
+
+def push_table(plan: PushPlan) -> Table:
+    """The pushes, a row each."""
+    columns = ("push", "side", "at", "slant (°)", "push (mm)", "set to x (mm)", "y (mm)", "θ (°)")
+    rows = []
+    for number, one in enumerate(plan.pushes, 1):
+        push, start = one.push, one.start
+        told = [f"{push.fraction:.2f}", f"{math.degrees(push.angle):.0f}", f"{1e3 * push.distance:.0f}"]
+        told += [f"{1e3 * start.x:.0f}", f"{1e3 * start.y:.0f}", f"{math.degrees(start.theta):.0f}"]
+        rows.append((str(number), str(push.side), *told))
+    return people_table("Pushes, what tells most first", columns, rows)
+
+
+def knowledge_table(plan: PushPlan) -> Table:
+    """What will be known after some pushes, planned and random."""
+    rows = [(str(one.pushes), known_words(one.planned), known_words(one.random)) for one in plan.knowledge]
+    return people_table("What will be known", ("pushes", "planned", "random"), rows, words=(1, 2))

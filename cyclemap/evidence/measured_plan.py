@@ -1,0 +1,108 @@
+"""What measured pushes tell of a floor of which something was believed before, and whether that is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
+from cyclemap.errors import ConvergenceError
+from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
+from cyclemap.evidence.identification.data_block import part_of, usual_beliefs
+from cyclemap.evidence.identification.identify import Identification, identify
+from cyclemap.evidence.identification.known_floor import (
+    ELLIPSE,
+    held_values,
+    known_beliefs,
+    known_shapes,
+    known_spread,
+)
+from cyclemap.evidence.identification.surface_parameters import starting_space
+from cyclemap.evidence.identified_material import identified_material
+from cyclemap.mechanics.material import ANY_PLATE
+from cyclemap.mechanics.plate_footprint import known_plate
+
+# Directions, and whether there are any, are known when this share of what is left to believe agrees.
+SURE = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPlan:
+    """What pushes on a floor tell of it.
+
+    loop : on the identified floor. found : the parameters. directions : how well the stable ones are known.
+    notes : what was read and left out.
+    """
+
+    loop: CollectionLoop
+    found: Identification
+    directions: DirectionUncertainty
+    notes: tuple[str, ...]
+
+    @property
+    def half_width(self) -> float:
+        """Half the widest 95 % interval of a stable direction that is likely to be there, rad; 0 where none is."""
+        likely = [one for one in self.directions.directions if one.share > 1.0 - SURE]
+        return 0.5 * max((one.upper - one.lower for one in likely), default=0.0)
+
+    def is_enough(self, within: float) -> bool:
+        """Whether it is known that the loop locks in, and where to `within` rad, or that it does not."""
+        chance = self.directions.chance
+        return chance <= 1.0 - SURE or (chance >= SURE and self.half_width <= within)
+
+
+def measured_plan(
+    loop: CollectionLoop, paths: Sequence[Path], *, seed: int = 0, progress: Callable[[float], None] | None = None
+) -> MeasuredPlan:
+    """Identify the floor of a loop from measured pushes, and tell how well its stable directions are then known.
+
+    paths, seed : see `identified_plan`. progress : called with the fraction done.
+    """
+    report = progress or (lambda fraction: None)
+    found, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
+    sources, floor = [path.name for path in paths], loop.material
+    material = identified_material(found, f"{floor.name}-measured", sources, plate=loop.slider.name, floor=floor)
+    measured = replace(loop, footprint=None).with_material(material)
+    directions = direction_uncertainty(measured, part_of(report, 1, 2))
+    return MeasuredPlan(measured, found, directions, notes)
+
+
+def identified_plan(
+    loop: CollectionLoop,
+    paths: Sequence[Path],
+    *,
+    starts: int = 2,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Identification, tuple[str, ...]]:
+    """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's material believes.
+
+    paths : tables that `readable_data` made readable. A plate that is known stays as it is. Noise is Student's with
+    four degrees of freedom, so that a misread ruler counts little. Returns what was found, and notes on what was read.
+    Raises InvalidInput for data that cannot be read, ConvergenceError where no start converges.
+    """
+    floor = loop.material
+    collected = collected_blocks(paths, loop, population=True)
+    plate = known_plate(floor, collected.loop.slider)
+    shapes = () if plate is None or plate.plate == ANY_PLATE else (plate,)
+    fixed = known_shapes(shapes, collected.blocks, collected.loop.slider.name)
+    told = telling_parameters(collected.blocks, known_beliefs(floor, ELLIPSE))
+    free = [name for name in told if name not in fixed]
+    space = starting_space(loop, floor)
+    found = identify(
+        collected.blocks,
+        free,
+        held_values(collected.blocks, space, free, floor) | fixed,
+        priors=usual_beliefs(free) | known_beliefs(floor, free, collected.loop.slider.name),
+        noise={**collected.noise, **known_spread(floor, collected.blocks)},
+        starts=starts,
+        student=4.0,
+        seed=seed,
+        space=space,
+        progress=progress,
+    )
+    if not found.fit.converged:
+        raise ConvergenceError(f"no start converged: {found.fit.message}")
+    return found, collected.notes

@@ -1,0 +1,232 @@
+"""Choose pushes so that what is asked will be known best, on average over what is believed and if any push is lost.
+
+To first order the covariance of the unknowns after pushes is C = (C0^-1 + Σ J^T R^-1 J)^-1 in each sample of what is
+believed, and what is asked has the variance g C g^T (Bayesian design for linear functionals, Chaloner & Verdinelli
+1995). Pushes are chosen one by one, then each is exchanged for a better one as long as there is any.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import non_negative_number, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
+from cyclemap.evidence.push_plan.sensitivity import TARGETS, Beliefs, Target, beliefs, push_sensitivity, target_of
+from cyclemap.evidence.pushes.planned_table import push_noise
+
+MOST_PUSHES = 32
+# How far a ruler and a phone are off, m and rad.
+READ = (1e-3, math.radians(1.0))
+# Of random pushes, how many sets are looked at; how often every push may be exchanged.
+_RANDOM_SETS, _ROUNDS = 12, 2
+# Of what exchanges gain less than this share is left.
+_GAIN = 1e-3
+COUNTS = (4, 8, 16)
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """What will be known after a number of pushes, by name (rad, m).
+
+    direction : root mean square error of a stable direction. wrong : chance of a wrong answer to whether the loop locks
+    in. map, place, turn : root mean square error of the map, and of where a push ends.
+    """
+
+    pushes: int
+    planned: Mapping[str, float]
+    random: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class PushPlan:
+    """Pushes to make, in the order in which they tell most, and what they will tell.
+
+    ends (n, 3) : where each is likely to end, m and rad, in the frame of the room. knowledge : before any push, then
+    after some. without : after all but the one that is missed most. chance : that the loop locks in, as it is believed
+    now; None where that is not asked. read : error of a reading, m and rad.
+    samples, candidates : of how many floors and pushes it was chosen.
+    """
+
+    loop: CollectionLoop
+    target: str
+    pushes: tuple[SetPush, ...]
+    ends: Array
+    knowledge: tuple[Knowledge, ...]
+    without: Mapping[str, float]
+    chance: float | None
+    room: tuple[float, float]
+    read: tuple[float, float]
+    samples: int
+    candidates: int
+
+
+def plan_pushes(
+    loop: CollectionLoop,
+    count: int = 8,
+    *,
+    target: str = "direction",
+    grid: float | None = math.radians(15.0),
+    room: tuple[float, float] = (0.6, 0.4),
+    read: tuple[float, float] = READ,
+    samples: int = 30,
+    candidates: int = 160,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> PushPlan:
+    """Return the pushes that tell most of a loop whose floor is not known well.
+
+    Parameters
+    ----------
+    loop : the object, its push, ring and rod; its material has samples of what is believed of floor and plate.
+    count : how many pushes, 1 to 32.
+    target : what is asked: `direction`, the stable directions and whether there are any; `map`, the whole cycle map;
+        `pushes`, where single pushes end.
+    grid : rad, between orientations that the object is put in; None: any.
+    room : m, width and depth of the table that object and rod may need.
+    read : m and rad, standard deviations of a measured place and angle. What the best model misses comes on top.
+    samples, candidates : how many floors are looked at, and among how many pushes is chosen: the time goes with both,
+        5 s on two cores for these.
+    seed : of the choice of candidates.
+    progress : called with the fraction done.
+
+    Raises InvalidInput for a material without samples, a room too small, or numbers that make no sense.
+
+    Notes
+    -----
+    No push is planned twice: most of what a model misses of a push it misses again when that is repeated. Errors of
+    pushes are taken as independent and alike, of a long push as of a short one.
+    """
+    number = whole_number("pushes of a plan", count, least=1)
+    if number > MOST_PUSHES:
+        raise InvalidInput(f"pushes of a plan: {number}, of at most {MOST_PUSHES}; plan some, measure, and plan on")
+    if target not in TARGETS:
+        raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
+    noise = push_noise((non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1])))
+    report = progress or (lambda fraction: None)
+    known = beliefs(loop, whole_number("samples", samples, least=2))
+    longest = 0.6 * max(room)
+    offered = candidate_pushes(loop, whole_number("candidates", candidates, least=number), grid, longest, seed)
+    ends, by = push_sensitivity(known, offered)
+    report(0.5)
+    fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
+    kept = [index for index, push in enumerate(fitting) if push is not None]
+    if len(kept) < number:
+        told = f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)} pushes"
+        raise InvalidInput(f"{told}: give a larger one, or ask for fewer pushes")
+    wanted = target_of(known, target, by, noise)
+    report(0.8)
+    design = Design(known, by[:, kept] / noise[:, None], wanted)
+    first = design.greedy(min(max(number, *COUNTS), len(kept)))
+    chosen = design.ordered(design.exchanged(first[:number]))
+    rng = np.random.default_rng(seed)
+    sets = [rng.permutation(len(kept)).tolist() for _ in range(_RANDOM_SETS)]
+    knowledge = []
+    for some in sorted({0, number, *(few for few in COUNTS if few <= len(first))}):
+        drawn = [design.told(order[:some]) for order in sets]
+        mean = {name: math.sqrt(float(np.mean([one[name] ** 2 for one in drawn]))) for name in drawn[0]}
+        knowledge.append(Knowledge(some, design.told(chosen if some == number else first[:some]), mean))
+    losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
+    missed = chosen[int(np.argmax(losses))]
+    report(1.0)
+    pushes = tuple(push for index in chosen if (push := fitting[kept[index]]) is not None)
+    shift = np.array([(push.start.x, push.start.y, 0.0) for push in pushes])
+    likely = ends[:, [kept[index] for index in chosen]].mean(axis=0) + shift
+    return PushPlan(
+        loop,
+        target,
+        pushes,
+        likely,
+        tuple(knowledge),
+        design.told([index for index in chosen if index != missed]),
+        wanted.chance,
+        room,
+        read,
+        len(known.values),
+        len(kept),
+    )
+
+
+class Design:
+    """Sets of candidates, by number, and what is known after them.
+
+    derivatives (s, n, 4, k) : of what is measured of the n candidates, over its noise, in each sample.
+    """
+
+    def __init__(self, known: Beliefs, derivatives: Array, target: Target) -> None:
+        # In units of what is believed, so that what is known beforehand costs no digits.
+        values, vectors = np.linalg.eigh(known.covariance)
+        seen = values > 1e-12 * values.max()
+        root = vectors[:, seen] * np.sqrt(values[seen])
+        self.rows, self.gradient, self.target = derivatives @ root, target.gradient @ root, target
+        self.information = np.einsum("snik,snil->snkl", self.rows, self.rows)
+
+    def covariance(self, chosen: list[int]) -> Array:
+        """Of the unknowns after these pushes, (s, k, k)."""
+        size = self.rows.shape[-1]
+        return np.asarray(np.linalg.inv(np.eye(size) + self.information[:, chosen].sum(axis=1)))
+
+    def variance(self, chosen: list[int]) -> Array:
+        """Of what is asked, (s, m)."""
+        return np.asarray(np.einsum("smk,skl,sml->sm", self.gradient, self.covariance(chosen), self.gradient))
+
+    def loss(self, chosen: list[int]) -> float:
+        """What is to be small, after these pushes."""
+        return float(self.target.loss(self.variance(chosen)))
+
+    def told(self, chosen: list[int]) -> dict[str, float]:
+        """What is known after these pushes, by name."""
+        return self.target.words(self.variance(chosen))
+
+    def with_one_more(self, chosen: list[int]) -> Array:
+        """The loss (n,) after these pushes and each of the candidates."""
+        before = self.covariance(chosen)[:, None]
+        spread = self.rows @ before
+        measured = spread @ self.rows.swapaxes(-1, -2) + np.eye(self.rows.shape[2])
+        asked = self.gradient[:, None].swapaxes(-1, -2)
+        seen = spread @ asked
+        gained = (seen * np.linalg.solve(measured, seen)).sum(axis=2)
+        variance = (asked * (before @ asked)).sum(axis=2)
+        losses = self.target.loss(np.maximum(variance - gained, 0.0).swapaxes(0, 1))
+        losses[chosen] = math.inf
+        return losses
+
+    def greedy(self, count: int) -> list[int]:
+        """So many pushes, each the one that tells most after those before it."""
+        found = list[int]()
+        while len(found) < count:
+            found.append(int(np.argmin(self.with_one_more(found))))
+        return found
+
+    def ordered(self, chosen: list[int]) -> list[int]:
+        """The same pushes, what tells most first."""
+        found = list[int]()
+        while len(found) < len(chosen):
+            losses = self.with_one_more(found)
+            found.append(min(set(chosen) - set(found), key=lambda index: losses[index]))
+        return found
+
+    def exchanged(self, chosen: list[int]) -> list[int]:
+        """The set with pushes exchanged for better ones: in all, and on average over the loss of any of them."""
+        found = list(chosen)
+        for _ in range(_ROUNDS):
+            changed = False
+            for place in range(len(found)):
+                rest = found[:place] + found[place + 1 :]
+                losses = self.with_one_more(rest)
+                for lost in range(len(rest)):
+                    fewer = self.with_one_more(rest[:lost] + rest[lost + 1 :])
+                    losses = losses + np.where(np.isinf(losses), 0.0, fewer) / len(rest)
+                best = int(np.argmin(losses))
+                if losses[best] < (1.0 - _GAIN) * losses[found[place]]:
+                    found[place] = best
+                    changed = True
+            if not changed:
+                break
+        return found

@@ -1,0 +1,186 @@
+"""A table of planned pushes to fill in with a ruler or by a robot, and what it tells once it is filled in.
+
+A row is a push. It tells how to set it up, in the object's frame and in the room's, and has room for what is measured
+before the push (0), after it (1) and after the drag back (2): a pose each, or the places of two marks on the object.
+Millimetres and degrees throughout; what is in the object's frame makes the table readable without the object.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import Array, shorter_way
+from cyclemap.errors import DataFileError
+from cyclemap.evidence.pushes.measured_strokes import DRAG_COLUMNS, PUSH_END_COLUMNS
+from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
+from cyclemap.mechanics import Ellipse, Pose, Slider
+
+# How a push is set up: its number, where the rod touches, how far it goes; the pose that the object is put in.
+SET_UP = ("push", "object", "side", "fraction", "angle_deg", "push_mm", "set_x_mm", "set_y_mm", "set_theta_deg")
+# In the object's frame: the rod's centre as it touches, the way it goes, the ring, and the two marks.
+IN_OBJECT = ("rod_x_mm", "rod_y_mm", "way_x", "way_y", "mark_a_x_mm", "mark_a_y_mm", "mark_b_x_mm", "mark_b_y_mm")
+# How far off a reading of a place or an angle is, a standard deviation.
+ERRORS = ("error_mm", "error_deg")
+# Where a robot's rod was, in the frame of the poses; left empty, it went as it was planned from the object as it lay.
+ROD = ("rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm")
+# Told of a table in which no rod was measured: rods were set by marks on the object.
+FRAMES_AGREE = "frames_agree"
+_STATES = "012"
+_WHEN = dict(zip(_STATES, ("before the push", "after the push", "after the drag"), strict=True))
+# Marks that are further from their distance on the object than this, or than four readings allow, were mistaken, mm.
+_MISTAKEN = 5.0
+# How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in drags, rad.
+MISSED, MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
+
+
+def push_noise(read: tuple[float, float]) -> Array:
+    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from what a model says.
+
+    read : m and rad, how far off a reading is. What the best model misses of pushes and drags on real floors comes on
+    top; it is taken as independent from push to push, and of a long push as of a short one.
+
+    >>> along, _, turned, dragged = push_noise((1e-3, 0.0))
+    >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)
+    (1.803, 2.0, 6.0)
+    """
+    along, turned = (math.hypot(first, second) for first, second in zip(read, MISSED, strict=True))
+    return np.array((along, along, turned, math.hypot(read[1], MISSED_DRAG)))
+
+
+def pose_columns(state: str) -> tuple[str, str, str]:
+    """Return the columns of a measured pose, such as x0_mm."""
+    return f"x{state}_mm", f"y{state}_mm", f"theta{state}_deg"
+
+
+def mark_columns(state: str) -> tuple[str, str, str, str]:
+    """Return the columns of the measured places of both marks, such as a_x0_mm."""
+    return f"a_x{state}_mm", f"a_y{state}_mm", f"b_x{state}_mm", f"b_y{state}_mm"
+
+
+def marks_of(slider: Slider) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the two places on an object (m, its frame) that are measured: corner 0 and the one farthest from it.
+
+    Of an ellipse the ends of its axis along x.
+
+    >>> marks_of(Slider.mit("rect1"))
+    ((0.045, 0.045), (-0.045, -0.045))
+    """
+    outline = slider.outline
+    if isinstance(outline, Ellipse):
+        return (outline.semi_x, 0.0), (-outline.semi_x, 0.0)
+    first = outline.vertices[0]
+    return first, max(outline.vertices, key=lambda corner: round(math.dist(corner, first), 9))
+
+
+def is_planned(path: Path) -> bool:
+    """Return whether a file is a table of planned pushes, by its columns."""
+    kind = path.suffix.lower()
+    if not path.is_file() or kind not in (".csv", *EXCEL):
+        return False
+    if kind == ".csv":
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            header = file.readline(10_000)
+        return all(name in header for name in (*SET_UP[6:], *IN_OBJECT))
+    return set(raw_columns(path, {}, growing=False)) >= {*SET_UP[6:], *IN_OBJECT}
+
+
+def filled_text(path: Path) -> tuple[str, list[str]]:
+    """Return what a filled table tells, as a CSV table of measured pushes and drags, and words on what was read.
+
+    Poses are in m and rad. Rows without a measurement before and after the push are left out; a drag counts where there
+    is one. Raises DataFileError, naming the row, where a state is half measured, or marks are where they cannot be.
+    """
+    columns = raw_columns(path, {}, growing=False)
+    missing = [name for name in (*SET_UP, *IN_OBJECT) if name not in columns]
+    if missing:
+        raise DataFileError(
+            f"{path}: the table has lost its column {missing[0]}: leave all that were planned as they are"
+        )
+    count, rows = len(columns["push"]), []
+    with_drag, by_robot = 0, 0
+    for row in range(count):
+        states = {state: _measured_pose(path, columns, row, state) for state in _STATES}
+        start, end, back = (states[state] for state in _STATES)
+        if start is None or end is None:
+            continue
+        rod = _rod(path, columns, row, start)
+        by_robot += not math.isnan(_numbers(columns, row, ROD)[0])
+        filled = [start.x, start.y, start.theta, end.x, end.y, start.theta + shorter_way(end.theta - start.theta), *rod]
+        filled += [math.nan] * 3 if back is None else [back.x, back.y, back.theta]
+        with_drag += back is not None
+        errors = [float(columns[name][row]) if name in columns else math.nan for name in ERRORS]
+        rows.append([str(columns["object"][row]), columns["push"][row], *filled, *errors])
+    if not rows:
+        raise DataFileError(
+            f"{path}: no push is filled in: measure the object before and after each, and write it down"
+        )
+    names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
+    pandas: Any = import_module("pandas")
+    frame = pandas.DataFrame(rows, columns=names)
+    if not by_robot:
+        frame[FRAMES_AGREE] = 1
+    # Without drags and errors the table tells of none.
+    text = str(frame.dropna(axis="columns", how="all").to_csv(index=False, lineterminator="\n"))
+    return text, [f"{path.name}: {len(rows)} of {count} planned pushes filled in, {with_drag} with their drag back"]
+
+
+def _numbers(columns: Columns, row: int, names: Sequence[str]) -> list[float]:
+    return [float(columns[name][row]) if name in columns else math.nan for name in names]
+
+
+def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose | None:
+    """The object's pose in a state, m and rad, by its pose or by its marks; None where neither is filled in."""
+    x, y, theta = pose = _numbers(columns, row, pose_columns(state))
+    places = _numbers(columns, row, mark_columns(state))
+    where = f"{path}, push {columns['push'][row]:g}"
+    for given, names in ((pose, pose_columns(state)), (places, mark_columns(state))):
+        empty = [name for name, value in zip(names, given, strict=True) if math.isnan(value)]
+        if 0 < len(empty) < len(names):
+            raise DataFileError(f"{where}: {_WHEN[state]} {empty[0]} is no number; fill in {', '.join(names)}, or none")
+    if not math.isnan(x):
+        return Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
+    if math.isnan(places[0]):
+        return None
+    marks = np.reshape(_numbers(columns, row, IN_OBJECT[4:]), (2, 2))
+    seen = np.reshape(places, (2, 2))
+    apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
+    reading = _numbers(columns, row, ERRORS[:1])[0]
+    if abs(measured - apart) > max(_MISTAKEN, 0.0 if math.isnan(reading) else 4.0 * reading):
+        told = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
+        raise DataFileError(f"{where}: {told}: measure them again, or leave the row empty")
+    turned = math.atan2(*(seen[1] - seen[0])[::-1]) - math.atan2(*(marks[1] - marks[0])[::-1])
+    middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
+    place = 1e-3 * (seen.mean(axis=0) - middle)
+    return Pose(float(place[0]), float(place[1]), turned)
+
+
+def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
+    """Where the rod's centre was before and after a push, m: as a robot says, else as planned from where it lay."""
+    places = _numbers(columns, row, ROD)
+    if not np.isnan(places).any():
+        return [1e-3 * place for place in places]
+    if not np.isnan(places).all():
+        told = f"fill in all of {', '.join(ROD)}, or none"
+        raise DataFileError(f"{path}, push {columns['push'][row]:g}: {told}")
+    first = 1e-3 * np.array(_numbers(columns, row, IN_OBJECT[:2]))
+    length = 1e-3 * float(columns["push_mm"][row])
+    last = first + length * np.array(_numbers(columns, row, IN_OBJECT[2:4]))
+    return [*start.to_world(*first.tolist()), *start.to_world(*last.tolist())]
+
+
+def table_bytes(header: Sequence[str], rows: Sequence[Sequence[object]], excel: bool) -> bytes:
+    """Return a table as a CSV or an Excel file."""
+    pandas: Any = import_module("pandas")
+    frame = pandas.DataFrame(list(rows), columns=list(header))
+    if not excel:
+        return str(frame.to_csv(index=False, lineterminator="\n")).encode()
+    made = io.BytesIO()
+    frame.to_excel(made, index=False)
+    return made.getvalue()

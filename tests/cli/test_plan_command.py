@@ -1,0 +1,105 @@
+"""`cyclemap plan` from outside: its tables, JSON and words; what it makes of a table that is filled in."""
+
+import json
+import math
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cyclemap as cm
+from cyclemap.cli.main import run
+from cyclemap.evidence import plan_pushes
+from cyclemap.evidence.pushes.planned_table import mark_columns, marks_of
+from cyclemap.mechanics import Pose, SidePush
+from cyclemap.protocol import loop_from_settings
+
+SMALL = partial(plan_pushes, samples=4, candidates=30)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch) -> Path:
+    """A folder with the file of an object, and plans of few candidates over few floors."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cyclemap.cli.run_plan.plan_pushes", SMALL)
+    assert run(["init", "box.toml", "--rectangle-mm", "80,60", "--quiet"]) == 0
+    return tmp_path
+
+
+def fill_in(path: Path, material: str) -> None:
+    """Make the planned pushes on a surface, and write down the corners to a tenth of a millimetre."""
+    loop = loop_from_settings(cm.read_protocol("box.toml")[0], cm.CollectionLoop.mit(material))
+    table = pd.read_csv(path)
+    corners = [name for state in "012" for name in mark_columns(state)]
+    table[corners] = table[corners].astype(float)
+    for number, row in table.iterrows():
+        start = Pose(1e-3 * row["set_x_mm"], 1e-3 * row["set_y_mm"], math.radians(row["set_theta_deg"]))
+        angle, length = math.radians(row["angle_deg"]), 1e-3 * row["push_mm"]
+        end = loop.model.push(start, SidePush(int(row["side"]), row["fraction"], angle, length)).end
+        back = loop.model.drag(end, (start.to_world(*loop.slider.hitch),)).end
+        for state, pose in zip("012", (start, end, back), strict=True):
+            places = [1e3 * part for mark in marks_of(loop.slider) for part in pose.to_world(*mark)]
+            table.loc[number, list(mark_columns(state))] = np.round(places, 1)
+    table.to_csv(path, index=False)
+
+
+def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, capsys) -> None:
+    assert run(["plan", "box.toml", "--pushes", "3", "--for", "pushes"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("3 pushes of box that tell most of where pushes end.")
+    assert "next: cyclemap plan box.toml --after out/plan_box.csv" in told
+    report = json.loads((here / "out/plan_box.json").read_text())
+    assert len(report["pushes"]) == 3 and report["floor"] == "unknown"
+    counts = [one["pushes"] for one in report["knowledge"]]
+    assert counts == [0, 3, 4, 8, 16]
+    turns = [one["planned"]["turn_deg"] for one in report["knowledge"]]
+    assert turns == sorted(turns, reverse=True)
+    robot = pd.read_csv(here / "out/plan_box_robot.csv")
+    table = pd.read_csv(here / "out/plan_box.csv")
+    # The rod goes as far as the table says, straight on from where it comes from.
+    way = np.hypot(robot["end_x_mm"] - robot["touch_x_mm"], robot["end_y_mm"] - robot["touch_y_mm"])
+    assert way.to_numpy() == pytest.approx(table["push_mm"].to_numpy(), abs=1e-3)
+    assert (here / "out/plan_box.png").stat().st_size > 10_000
+    # A table that was filled in is never written over.
+    table.loc[0, "a_x0_mm"] = 1.0
+    table.to_csv(here / "out/plan_box.csv", index=False)
+    kept = (here / "out/plan_box.csv").read_bytes()
+    assert run(["plan", "box.toml", "--pushes", "3", "--for", "pushes", "--quiet"]) == 0
+    assert (here / "out/plan_box.csv").read_bytes() == kept and (here / "out/plan_box_2.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["plywood"], "give the file of your object"),
+        (["box.toml", "--grid", "some"], "--grid 'some' is no number"),
+        (["box.toml", "--grid", "0"], "0.1 to 180, or free"),
+        (["box.toml", "--room-mm", "600"], "--room-mm '600'"),
+        (["box.toml", "--floor", "plywood"], "plywood: a plan needs samples"),
+        (["box.toml", "--pushes", "40"], "40"),
+        (["box.toml", "--after", "none.csv"], "none.csv"),
+    ],
+)
+def test_bad_use_is_one_line_that_names_the_value(here, capsys, arguments, words) -> None:
+    assert run(["plan", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert words in told and told.startswith("error: ") and told.count("\n") == 1
+
+
+@pytest.mark.slow
+def test_filled_tables_are_identified_and_the_plan_goes_on_or_ends(here, capsys) -> None:
+    assert run(["plan", "box.toml", "--pushes", "8", "--quiet"]) == 0
+    fill_in(here / "out/plan_box.csv", "plywood-floor")
+    assert run(["plan", "box.toml", "--after", "out/plan_box.csv", "--pushes", "2", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["uncertainty"]["samples"] > 100
+    assert report["enough"] is (len(report.get("pushes", [])) == 0)
+    assert run(["plan", "box.toml", "--after", "out/plan_box.csv", "--until-deg", "180"]) == 0
+    told = capsys.readouterr().out
+    assert ("Enough" in told) == (not 0.05 < report["uncertainty"]["chance_of_lock_in"] < 0.95)
+    # What was found is a file that every command reads.
+    found = cm.load_material("out/plan_box_measured.toml")
+    assert found.posterior is not None and found.pressure_of("box") is not None
+    assert run(["identify", "out/plan_box.csv", "--protocol", "box.toml", "--floor", "unknown", "--folds", "0"]) == 0

@@ -1,0 +1,133 @@
+"""A table of planned pushes comes back as it was filled in, by corners or by poses, in CSV or Excel."""
+
+import io
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from refusals import refused
+
+import cyclemap as cm
+from cyclemap.errors import DataFileError
+from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
+from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
+from cyclemap.evidence.push_plan.plan_table import table_of
+from cyclemap.evidence.pushes.planned_table import (
+    filled_text,
+    is_planned,
+    mark_columns,
+    marks_of,
+    pose_columns,
+    push_noise,
+    table_bytes,
+)
+from cyclemap.mechanics import Pose, Slider
+
+PLATE = replace(Slider.mit("tri1"), name="wedge")
+LOOP = cm.CollectionLoop.mit("isotropic", slider=PLATE)
+READ = (2e-3, math.radians(1.5))
+PUSHES = candidate_pushes(LOOP, 5, math.radians(15.0), 0.15, 3)
+STATES = [
+    (one.start, Pose(0.03, -0.02, one.start.theta + 0.7), Pose(0.01, 0.04, one.start.theta - 0.3)) for one in PUSHES
+]
+
+
+def filled(folder: Path, by: str = "corners", states: str = "012", excel: bool = False) -> Path:
+    """The table of PUSHES with STATES filled in, to a hundredth of a millimetre."""
+    header, rows = table_of(LOOP, list[SetPush](PUSHES), READ, by)
+    frame = pd.DataFrame(rows, columns=header)
+    for number, poses in enumerate(STATES):
+        for state, pose in zip("012", poses, strict=True):
+            if state not in states:
+                continue
+            if by == "corners":
+                told = [1e3 * part for mark in marks_of(PLATE) for part in pose.to_world(*mark)]
+                names = mark_columns(state)
+            else:
+                told, names = [1e3 * pose.x, 1e3 * pose.y, math.degrees(pose.theta) % 360.0], pose_columns(state)
+            for name, value in zip(names, told, strict=True):
+                frame.loc[number, name] = round(value, 3)
+    path = folder / f"plan.{'xlsx' if excel else 'csv'}"
+    path.write_bytes(table_bytes(header, frame.to_numpy(dtype=object).tolist(), excel))
+    return path
+
+
+def as_read(path: Path) -> pd.DataFrame:
+    assert is_planned(path)
+    return pd.read_csv(io.StringIO(filled_text(path)[0]))
+
+
+@pytest.mark.parametrize(("by", "excel"), [("corners", False), ("pose", False), ("corners", True)])
+def test_poses_and_rods_come_back_whichever_way_they_were_measured(tmp_path: Path, by: str, excel: bool) -> None:
+    if excel:
+        pytest.importorskip("openpyxl")
+    table = as_read(filled(tmp_path, by, excel=excel))
+    assert len(table) == len(PUSHES) and (table["error_mm"] == 2.0).all() and (table["frames_agree"] == 1).all()
+    for row, poses, planned in zip(table.to_dict("records"), STATES, PUSHES, strict=True):
+        for names, pose in zip((("x0", "y0", "th0"), ("x1", "y1", "th1"), ("x0n", "y0n", "th0n")), poses, strict=True):
+            x, y, theta = (row[name] for name in names)
+            assert (x, y) == pytest.approx((pose.x, pose.y), abs=5e-6)
+            assert math.remainder(theta - pose.theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-4)
+        first, last = planned.rod(PLATE, LOOP.pusher.radius)
+        assert [row[name] for name in ("tip_x0", "tip_y0", "tip_x1", "tip_y1")] == pytest.approx(
+            [*first, *last], abs=2e-5
+        )
+
+
+def test_rows_may_stay_empty_and_drags_may_be_left_out(tmp_path: Path) -> None:
+    path = filled(tmp_path, states="01")
+    frame = pd.read_csv(path)
+    frame.loc[1, list(mark_columns("1"))] = math.nan
+    frame.to_csv(path, index=False)
+    table = as_read(path)
+    assert len(table) == len(PUSHES) - 1 and "x0n" not in table.columns
+    frame.loc[:, list(mark_columns("1"))] = math.nan
+    frame.to_csv(path, index=False)
+    refused(filled_text, path, told="no push is filled in", kind=DataFileError)
+
+
+def test_commas_of_a_spreadsheet_are_read(tmp_path: Path) -> None:
+    path = filled(tmp_path)
+    before = as_read(path)
+    pd.read_csv(path).to_csv(path, index=False, sep=";", decimal=",")
+    assert np.allclose(as_read(path).drop(columns="object"), before.drop(columns="object"))
+
+
+def test_what_was_misread_is_refused_with_push_and_state(tmp_path: Path) -> None:
+    path = filled(tmp_path)
+    frame = pd.read_csv(path)
+    frame.loc[2, ["a_x1_mm", "a_y1_mm"]] = frame.loc[2, ["b_x1_mm", "b_y1_mm"]].to_numpy()
+    frame.to_csv(path, index=False)
+    refused(filled_text, path, told="push 3: after the push marks a and b are .* mm apart", kind=DataFileError)
+    frame.loc[2, "a_x1_mm"] = math.nan
+    frame.to_csv(path, index=False)
+    refused(filled_text, path, told="push 3: after the push a_x1_mm is no number", kind=DataFileError)
+    frame.drop(columns="way_x").to_csv(path, index=False)
+    assert not is_planned(path)
+
+
+def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(tmp_path: Path) -> None:
+    path = filled(tmp_path, "pose")
+    frame = pd.read_csv(path)
+    frame[["rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm"]] = (10.0, 20.0, 30.0, 45.0)
+    frame.to_csv(path, index=False)
+    table = as_read(path)
+    assert np.allclose(table[["tip_x0", "tip_y1"]], (0.01, 0.045)) and "frames_agree" not in table.columns
+
+
+def test_identification_takes_the_errors_that_the_table_tells_and_frees_no_shift(tmp_path: Path) -> None:
+    path = tmp_path / "read.csv"
+    path.write_text(filled_text(filled(tmp_path))[0])
+    data = collected_blocks([path], LOOP)
+    along, _, turned, dragged = push_noise(READ)
+    sizes = {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
+    assert data.noise == pytest.approx(sizes)
+    assert not {name for block in data.blocks for name in block.parameters if name.startswith("tip_offset")}
+    table = pd.read_csv(path).drop(columns=["error_mm", "error_deg", "frames_agree"])
+    table.to_csv(tmp_path / "plain.csv", index=False)
+    plain = collected_blocks([tmp_path / "plain.csv"], LOOP)
+    assert plain.noise == {}
+    assert {name for block in plain.blocks for name in block.parameters if name.startswith("tip_offset")}
