@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from refusals import refused
 
 from cyclemap import maps
 from cyclemap.maps import (
@@ -19,10 +18,10 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.families.family import break_motion
-from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 from cyclemap.maps.orbits.rotation_number import weighted_mean
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 from tests.maps.known_maps import DOUBLING
+from tests.refusals import refused
 
 RIGID, STICKY, NOISE, UNIFORM = CircleMap.rigid(0.1), CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), UniformNoise(1.0)
 JUMPING_BACK = CircleMap.from_branches([(0, 3, lambda x: 2 * x, None), (3, 2 * np.pi, lambda x: x, None)])
@@ -187,8 +186,6 @@ LAWS = [
     (lambda: operator().expectation(lambda theta: np.sum(theta)), "entry"),
     (lambda: operator().expectation(lambda theta: np.full_like(theta, np.inf)), "finite"),
     (lambda: operator().expectation(1.0), "callable"),
-    (lambda: uniform_discretisation(DOUBLING, NOISE), "UniformNoise"),
-    (lambda: uniform_discretisation(DOUBLING, UniformNoise(0.2), max_panels=3), "max_panels"),
 ]
 PASSAGES = [
     *(

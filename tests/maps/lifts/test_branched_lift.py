@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from refusals import refused
 
 from cyclemap.maps import CircleMap
 from tests.maps.known_maps import wavy, wavy_slope
+from tests.refusals import refused
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-15.0, 15.0, 3001)
