@@ -58,7 +58,7 @@ def run_reset(
     for sentence in miss_sentences(design):
         console.print(sentence, style="bold red")
     console.tell(*design_sentences(design))
-    title = f"It, and others beside it ({histogram_words(design)}; at worst behind the comma)"
+    title = f"It, and others beside it ({histogram_words(design)})"
     console.print_table(people_table(title, COLUMNS, map(row_cells, design.rows), words=(0, 1)))
     files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
     console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))

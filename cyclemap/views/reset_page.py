@@ -58,7 +58,7 @@ def reset_page(design: ResetDesign) -> Figure:
     for left, name in zip(lefts, COLUMNS, strict=True):
         figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
     for number, row in enumerate(design.rows):
-        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
+        cells = [fill(cell, (96 if number else 82) if place == 1 else 19) for place, cell in enumerate(row_cells(row))]
         weight = "normal" if number else "bold"
         for left, cell in zip(lefts, cells, strict=True):
             figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
@@ -67,7 +67,7 @@ def reset_page(design: ResetDesign) -> Figure:
         f"total variation from uniform; after: {design.demands.within} pushes from the worst start; "
         f"{histogram_words(design)}; noise {math.degrees(design.sigma):.2g}° a cycle"
     )
-    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    figure.text(0.015, 0.015, fill(foot, 180), fontsize=8, color=QUIET, va="bottom")
     title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
     figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
     if not design.met:
@@ -269,9 +269,9 @@ def design_sentences(design: ResetDesign) -> tuple[str, str, str]:
     """What to do, what that leaves, what it costs."""
     row, own, demands = design.chosen, design.own, design.demands
     left = (
-        f"What it leaves: {row.worst:.3f} of total variation from uniform in the long run and {row.worst_after:.3f} "
-        f"{demands.within} pushes after the worst start, each {worst_words(design.about)}; a histogram of "
-        f"{demands.pushes} pushes that lies {row.worst_histogram[0]:.3f} from uniform there."
+        f"What it leaves {worst_words(design.about)}: {row.worst:.3f} of total variation from uniform in the long run, "
+        f"{row.worst_after:.3f} after {demands.within} pushes from the worst start, and a histogram of "
+        f"{demands.pushes} pushes {row.worst_histogram[0]:.3f} from uniform."
     )
     cost = (
         f"What it costs: {1e3 * row.drag:.0f} mm of drag ({row.drag / own.drag:.2f} of now), {row.seconds:.1f} s "
@@ -297,10 +297,10 @@ def worst_words(about: MaterialRange) -> str:
 
 def histogram_words(design: ResetDesign) -> str:
     """What histograms of as many pushes are held against, in 36 bins."""
-    told = f"histogram: mean distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones "
+    told = f"histogram: mean distance of {design.demands.pushes} pushes in 36 bins, nominal and at worst"
     steered = design.orders.get("steered")
     seeing = "" if steered is None else f", the chosen one steered by what is seen (cyclemap watch) {steered:.3f}"
-    return f"{told}{design.independent:.3f}{seeing}"
+    return f"{told}; independent uniform ones {design.independent:.3f}{seeing}"
 
 
 def miss_sentences(design: ResetDesign) -> tuple[str, ...]:

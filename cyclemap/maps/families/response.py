@@ -16,7 +16,7 @@ from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import Family, ParameterTangent, Range, parameter_range, parameter_tangent
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
-from cyclemap.maps.operator.poisson_equation import StationaryLaw, moments_against
+from cyclemap.maps.operator.poisson_equation import FourierLaw, moments_against
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import Arc, arc_ends, killed_chain, required_inside
@@ -66,12 +66,18 @@ class Response:
     near: ParameterTangent
     far: ParameterTangent
 
+    @property
+    def _basis(self) -> FourierDiscretisation:
+        basis = self.operator.discretisation
+        assert isinstance(basis, FourierDiscretisation)
+        return basis
+
     @one_thread
     def density(self, theta: Any) -> Array:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
-        basis = self.operator.discretisation
-        found, _ = self._moved(StationaryLaw(basis), basis.evaluate(angles.ravel()).T)
+        basis = self._basis
+        found, _ = self._moved(FourierLaw(basis), basis.evaluate(angles.ravel()).T)
         return found.reshape(angles.shape)
 
     @one_thread
@@ -131,21 +137,19 @@ class Response:
         return Estimate((4.0 * near - far) / 3.0, abs(near - far) + 4.0 * abs(near - again) + rounding)
 
     def _estimated(self, moments: Callable[[FourierDiscretisation], Array], direct: float) -> Estimate:
-        basis = self.operator.discretisation
-        assert isinstance(basis, FourierDiscretisation)
-        value, changed = self._moved(StationaryLaw(basis), moments(basis), direct)
+        basis = self._basis
+        value, changed = self._moved(FourierLaw(basis), moments(basis), direct)
         fine = basis.refined()
-        again, _ = self._moved(StationaryLaw(fine), moments(fine), direct)
+        again, _ = self._moved(FourierLaw(fine), moments(fine), direct)
         rounding = 64.0 * EPS * (1.0 + abs(float(value))) / self.near.step
         return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)
 
-    def _moved(self, law: StationaryLaw, moments: Array, direct: float = 0.0) -> tuple[Array, Array]:
+    def _moved(self, law: FourierLaw, moments: Array, direct: float = 0.0) -> tuple[Array, Array]:
         """d/dp E h for h of integrals ``moments`` (columns of several), and what the larger step changes.
 
         direct : ∂h/∂F where h depends on F.
         """
         basis = law.basis
-        assert isinstance(basis, FourierDiscretisation)
         theta, weight = basis.rule
         mass, dual = weight * basis.on_nodes(law.coefficients), law.dual(moments)
         slopes = (basis.expected_slope(dual).T + direct) * mass

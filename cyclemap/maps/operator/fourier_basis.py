@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -16,19 +16,57 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
 
-if TYPE_CHECKING:
-    from cyclemap.maps.operator.uniform_basis import UniformDiscretisation
-
-# A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on the coefficients c of
-# densities p(θ) = Σ_j c_j φ_j(θ), per radian.
-Discretisation: TypeAlias = "FourierDiscretisation | UniformDiscretisation"
-
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications, some minutes
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 
 Waves = tuple[slice, Array]
+
+
+class Discretisation(Protocol):
+    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on it.
+
+    Laws are coefficients c of densities p(θ) = Σ_j c_j φ_j(θ), per radian.
+    """
+
+    @property
+    def map(self) -> CircleMap:
+        """F."""
+
+    @property
+    def noise(self) -> Noise | None:
+        """ξ; None for none."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+
+    @property
+    def left_out(self) -> float:
+        """A bound on what one cycle makes of functions beyond the basis; inf where there is none."""
+
+    @property
+    def mass(self) -> Array:
+        """(n,): the integral of every basis function."""
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): the density 1/2π."""
+
+    @property
+    def matrix(self) -> Array:
+        """(n, n): the coefficients after one cycle from those before."""
+
+    @property
+    def rule(self) -> tuple[Array, Array]:
+        """Nodes and weights over one turn for integrals of a law."""
+
+    def moments(self, order: int) -> Any:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
+
+    def refined(self) -> Self:
+        """A finer basis, for errors."""
 
 
 def needed_modes(noise: Noise) -> int:

@@ -13,7 +13,6 @@ from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import arc_rule
 
@@ -166,7 +165,7 @@ _MIN_BANDWIDTH = 4
 
 def killed_chain(
     circle_map: CircleMap,
-    noise: Noise,
+    noise: Noise | None,
     arcs: tuple[Arc, ...],
     exits: tuple[Arc, ...] | None,
     lifted: bool,
@@ -180,13 +179,13 @@ def killed_chain(
     exits : None takes all that lies outside the one arc, on the line below it and above it. lifted : the space is the
     real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes end at every sample of a
     sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more than ``most`` nodes would be
-    needed, and for ``UniformNoise``, whose density jumps.
+    needed, and for noise whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
-    if isinstance(noise, UniformNoise):
+    if noise.jump > 0.0:
         raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
     if exits is None:
         ((low, high),) = arcs
