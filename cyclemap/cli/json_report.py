@@ -137,7 +137,10 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
 def forecast_report(found: LockForecast) -> Json:
     """What the next pushes will bring."""
     middle, low, high = found.orientations
-    where = [{"theta_deg": direction_deg(theta), "share": share} for theta, share in found.directions]
+    where = [
+        {"theta_deg": direction_deg(theta), "share": share, "within_deg": degrees(within)}
+        for theta, share, within in found.directions
+    ]
     seen = {"median": middle, "lower": low, "upper": high}
     return {"cycles": found.cycles, "chance_of_lock_in": found.chance, "directions": where, "orientations_of_36": seen}
 

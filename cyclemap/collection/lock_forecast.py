@@ -32,13 +32,13 @@ class LockForecast:
     """What a number of pushes will bring, over samples of what is believed and runs with the noise of a cycle.
 
     cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions : about which, rad,
-    and in what share of the runs. orientations : how many of 36 will have been seen, in the median, and the ends of a
-    90 % interval. samples : of what is believed.
+    in what share of the runs, and within what of it 90 % of these rest, rad. orientations : how many of 36 will have
+    been seen, in the median, and the ends of a 90 % interval. samples : of what is believed.
     """
 
     cycles: int
     chance: float
-    directions: tuple[tuple[float, float], ...]
+    directions: tuple[tuple[float, float, float], ...]
     orientations: tuple[float, float, float]
     samples: int
 
@@ -76,9 +76,11 @@ def lock_forecast(
     seen = _orientations(paths)
     centres = clusters(where)
     away = np.abs(np.angle(np.exp(1j * (where[:, None] - centres))))
-    nearest = np.bincount(np.argmin(away, axis=1), minlength=centres.size) if where.size else np.zeros(0)
-    share = [float(part) / len(resting) for part in nearest]
-    directions = sorted(zip(centres.tolist(), share, strict=True), key=lambda pair: -pair[1])
+    directions = []
+    for number, centre in enumerate(centres.tolist()):
+        own = away[np.argmin(away, axis=1) == number, number]
+        directions.append((centre, own.size / len(resting), float(np.quantile(own, LEVEL))))
+    directions.sort(key=lambda one: -one[1])
     low, middle, high = np.quantile(seen, (0.5 - LEVEL / 2.0, 0.5, 0.5 + LEVEL / 2.0)).tolist()
     return LockForecast(count, float(resting.mean()), tuple(directions), (middle, low, high), len(chosen))
 

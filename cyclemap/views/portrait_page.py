@@ -78,7 +78,6 @@ def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, mea
     material, said = portrait.loop.material, sentences.headline(portrait)
     tellers = (sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
     told = [*(tell(portrait) for tell in tellers), sentences.uncertainty_sentence(material.name, portrait.uncertainty)]
-    told.append(sentences.ahead_sentence(portrait.forecast))
     style.write_page(figure, said, told, size=18.0 * min(1.0, _HEADLINE_LETTERS / len(said)))
     inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
     how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"

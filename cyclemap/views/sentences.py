@@ -88,7 +88,11 @@ def ahead_sentence(forecast: LockForecast | None) -> str:
     """What the next pushes will bring, of all that is believed; empty where that is not known."""
     if forecast is None:
         return ""
-    likely = [f"{angle(theta, 0)} ({share:.0%})" for theta, share in forecast.directions if share >= 0.01]
+    likely = []
+    for theta, share, within in forecast.directions:
+        if share >= 0.01:
+            place = "any direction" if within > 0.5 * math.pi else f"{angle(theta, 0)} ± {angle(within, 0)}"
+            likely.append(f"{place} ({share:.0%})")
     where = f", at {listed(likely)}" if likely else ""
     middle, low, high = forecast.orientations
     locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"

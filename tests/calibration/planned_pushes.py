@@ -1,8 +1,8 @@
 """What planned pushes tell of worlds that are drawn, beside random ones: `python -m tests.calibration.planned_pushes`.
 
 `worlds [200 [FIRST [COUNT ...]]]`: floor, rod and ring of a sample of `unknown`, the plate of another, both turned by
-any angle; pushes and drags run at a ten-thousandth of the error that identification works with, and err as much as
-measured ones do. From each set of pushes the floor is identified as `cyclemap plan --after` does it. Asked are the
+any angle; rods are set off their marks, pushes and drags run at a ten-thousandth of the error that identification works
+with, and err as much as measured ones do. From each set of pushes the floor is identified as `cyclemap plan --after` does it. Asked are the
 error of the stable direction, whether 95 % intervals hold it, and whether the loop locks in, with the chance told.
 
 `measured [10]`: of the pushes that MIT's robot made (the data folder), ten chosen by the criterion of the plan predict
@@ -43,13 +43,13 @@ from cyclemap.evidence.identification.surface_parameters import (
 )
 from cyclemap.evidence.identified_material import sampled_values
 from cyclemap.evidence.measured_plan import identified_plan
-from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
+from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import table_of
-from cyclemap.evidence.push_plan.sensitivity import UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
+from cyclemap.evidence.push_plan.sensitivity import SET_OFF, UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of, push_noise
-from cyclemap.mechanics import Pose, Slider, load_material
+from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.inference.measured_floors import FLOORS, PLATES
 from tests.inference.measured_floors import measured as measured_pushes
 
@@ -87,7 +87,14 @@ def filled(loop: cm.CollectionLoop, world: cm.CollectionLoop, pushes: list[SetPu
     frame = pd.DataFrame(rows, columns=header).astype({name: float for name in header if name.endswith("_mm")})
     noise, slider = push_noise(READ), loop.slider
     for number, planned in enumerate(pushes):
-        end = world.model.push(planned.start, planned.push).end
+        # The rod is set off its mark: the object lies elsewhere than it was read, and the rod goes where it was sent.
+        first, last = (np.array(place) for place in planned.rod(slider, loop.pusher.radius))
+        way = (last - first) / planned.push.distance
+        x, y = (planned.start.x, planned.start.y) + SET_OFF * rng.standard_normal(2)
+        lying = Pose(float(x), float(y), planned.start.theta)
+        sent = (first - APPROACH * way).tolist()
+        far = planned.push.distance + APPROACH
+        end = world.model.push(lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far)).end
         seen = Pose(*(np.array((end.x, end.y, end.theta)) + noise[:3] * rng.standard_normal(3)).tolist())
         goal = planned.start.to_world(*slider.hitch)
         back = world.model.drag(end, (goal,), pin_friction_radius=world.reset.pin_friction_radius).end

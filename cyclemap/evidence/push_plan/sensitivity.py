@@ -93,8 +93,8 @@ def push_sensitivity(known: Beliefs, pushes: Sequence[SetPush], noise: Array) ->
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
     turns = [_by_unknowns(back, back.residuals(values)[1], len(pushes)) / noise[3] for values in known.values]
-    both = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
-    return np.array(ends), *both
+    first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
+    return np.array(ends), first, second
 
 
 def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
