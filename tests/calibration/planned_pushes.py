@@ -1,9 +1,10 @@
 """What planned pushes tell of worlds that are drawn, beside random ones: `python -m tests.calibration.planned_pushes`.
 
 `worlds [200 [FIRST [COUNT ...]]]`: floor, rod and ring of a sample of `unknown`, the plate of another, both turned by
-any angle; rods are set off their marks, pushes and drags run at a ten-thousandth of the error that identification works
-with, and err as much as measured ones do. From each set of pushes the floor is identified as `cyclemap plan --after` does it. Asked are the
-error of the stable direction, whether 95 % intervals hold it, and whether the loop locks in, with the chance told.
+any angle; rods are set off their marks, pushes and drags run at a ten-thousandth of the error that identification
+works with, and err as much as measured ones do. From each set of pushes the floor is identified as `cyclemap plan
+--after` does it. Asked are the error of the stable direction, whether 95 % intervals hold it, and whether the loop
+locks in, with the chance told.
 
 `measured [10]`: of the pushes that MIT's robot made (the data folder), ten chosen by the criterion of the plan predict
 those at other contacts, beside so many draws of ten. The floor is known, the plate is not: its shape is left out of the
