@@ -30,7 +30,7 @@ from cyclemap.evidence import (
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
-from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.data_block import SESSION_KINDS, session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import held_values, known_beliefs, known_shapes, known_spread
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE, SurfaceParameters
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -54,6 +54,9 @@ STUDENT = 4.0
 # The ring turns about the rod, steel on steel: the lever of its friction (m) is the rod's friction times its radius.
 # Left free it comes out as 3 mm, which holds every fourth drag from turning and takes the map 9 degrees off.
 PIN = 0.8e-3
+# How far domes of the floor lie apart from session to session, kPa. Data tell the sum of a plate's dome and the floor's
+# alone, so that an estimate of it climbs from fit to fit without end.
+DOME_SPREAD = 2.0
 PLATES_PROVENANCE = (
     "shapes of the plates of the MIT push dataset (Yu et al. 2016): what plywood says, its fit believing what abs says "
     "of them (plywood-floor); made by python -m tests.inference.measured_floors plates FOLDER"
@@ -95,7 +98,7 @@ def fitted(
     loop = CollectionLoop.mit("isotropic")
     chosen: dict[str, str | float] = {"surface": floor} | ({"object": plates[0]} if len(plates) == 1 else {})
     collected = collected_blocks(data, loop, chosen, most=most, population=known is not None, target=TARGET)
-    blocks = [one for one in collected.blocks if of_plates(one.name, plates)]
+    blocks = of_plates(collected.blocks, plates)
     free = telling_parameters(blocks, believed=())
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
     fixed |= {"pin_friction_radius": PIN} if drags else {}
@@ -103,9 +106,9 @@ def fitted(
     beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])
     beliefs |= known_beliefs(other, [name for name in free if name.startswith("plate_")], plates[0])
     blocks, space = begun(blocks, begin, plates[0])
-    found = identify(
-        blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=known_spread(known, blocks), space=space,
-    )  # fmt: skip
+    held = {SESSION_KINDS[0]: DOME_SPREAD} if len(blocks) > 2 else {}
+    noise = held | known_spread(known, blocks)
+    found = identify(blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=noise, space=space)
     odd = [f"; {note}" for note in collected.notes if "odd session" in note]
     told = "" if other is None else f"; plates believed to be as on {other.name}, to within what is known of them there"
     sources = [f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"]
@@ -133,8 +136,13 @@ def begun(blocks: Sequence[DataBlock], begin: Material | None, plate: str) -> tu
     return changed, ParameterSpace(tuple(map(started, SURFACE.parameters)))
 
 
-def of_plates(block: str, plates: Sequence[str]) -> bool:
-    return block == "sessions" or block.split()[0] in plates or block.split()[0] in ("push", "drag-backs")
+def of_plates(blocks: Sequence[DataBlock], plates: Sequence[str]) -> list[DataBlock]:
+    """The blocks of some of the plates, and how their sessions differ; all blocks of all plates."""
+    if len(plates) in (1, len(PLATES)):
+        return list(blocks)
+    kept = [block for block in blocks if block.name.split()[0] in plates]
+    names = {name for block in kept for name in block.parameters if name.startswith("floor_dome[")}
+    return [*kept, session_block(sorted(name.partition("[")[2].rstrip("]") for name in names))]
 
 
 def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[MeasuredPush]:
