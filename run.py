@@ -8,6 +8,7 @@
     python3 run.py test --floors ...    run the tests on the oldest packages that pyproject.toml allows
     python3 run.py test --newest ...    run the tests on the newest packages there are
     python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
+    python3 run.py wheels [NAME ...]    compile the engine for browsers and for other systems, wheels into dist/
 
 The packages of constraints.txt go into the folder .venv beside this file; --floors and --newest have folders of their
 own. A folder is made on the first run, brought up to date when pyproject.toml, constraints.txt or Python changes, and
@@ -57,6 +58,8 @@ def main(arguments: list[str]) -> int:
         ensure_installed(testing=command in ("test", "docs"))
         if command == "test":
             return run_tests(rest)
+        if command == "wheels":
+            return build_wheels(rest)
         return build_docs(rest) if command == "docs" else call([PYTHON, "-m", "cyclemap", *arguments])
     except InstallError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -211,6 +214,15 @@ def build_docs(arguments: list[str]) -> int:
     if not code:
         print(f"open {ROOT / 'docs' / '_build' / 'html' / 'index.html'}")
     return code
+
+
+def build_wheels(arguments: list[str]) -> int:
+    """Install the compiler for other systems where it is not, and build what is named; the exit code."""
+    needed = [*runpy.run_path(str(BUILDING / "engine_library.py"))["WHEEL_TOOLS"]]
+    made = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *needed], stdout=sys.stderr, check=False)
+    if made.returncode:
+        raise InstallError(f"pip could not install {', '.join(needed)}; {MEND}")
+    return call([PYTHON, BUILDING / "other_systems.py", *arguments])
 
 
 def call(command: list, cwd: Path | None = None) -> int:

@@ -19,6 +19,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 ENGINE = ROOT / "cyclemap" / "mechanics" / "engine"
 ZIGLANG = "ziglang==0.17.1"
+# What other_systems.py needs besides numpy and casadi.
+WHEEL_TOOLS = (ZIGLANG, "setuptools>=77.0.3")
 # No operation is fused, and none reordered. Compilers, and the mathematical functions of systems,
 # still round differently: what two libraries find agrees to 1.1e-14 rad, not to the bit.
 FLAGS = (
@@ -79,7 +81,7 @@ def build(place: Path = ENGINE) -> None:
     target, version = sources["library_path"](place), sources["digest_of"](ENGINE)
     with tempfile.TemporaryDirectory(prefix="cyclemap-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
-        _generate(folder)
+        generate(folder)
         command, complaints = working_compiler()
         if not command and importlib.util.find_spec("ziglang") is None:
             raise BuildError(
@@ -96,10 +98,10 @@ def build(place: Path = ENGINE) -> None:
             raise BuildError(
                 f"{shlex.join(command or ZIG)}: {error}", "Mend that, or name another C compiler in CC."
             ) from error
-        _place(library, target)
+        place_whole(library.read_bytes(), target)
 
 
-def _generate(folder: Path) -> None:
+def generate(folder: Path) -> None:
     """Write the generated sources, in a process of its own, where the engine's modules find each other."""
     code = (
         f"import sys; sys.path[:0] = {[str(ENGINE), str(ROOT)]!r};"
@@ -111,10 +113,17 @@ def _generate(folder: Path) -> None:
         raise BuildError("Its equations cannot be written as C:", *error.last_lines) from error
 
 
+def compile_for(
+    command: Sequence[str], flags: Sequence[str], source: Path, target: Path, include: Sequence[Path], version: str
+) -> None:
+    """Compile one C file into a library; Refused, with what the compiler said, where it does not."""
+    words = [*command, *flags, *(f"-I{folder}" for folder in include), f'-DENGINE_VERSION="{version}"']
+    _run([*words, str(source), "-o", str(target), "-lm"], target.parent)
+
+
 def _compile(command: Sequence[str], source: Path, target: Path, include: Sequence[Path], version: str) -> None:
     """Compile one C file into a shared library that this Python can load."""
-    words = [*command, *FLAGS, *(f"-I{folder}" for folder in include), f'-DENGINE_VERSION="{version}"']
-    _run([*words, str(source), "-o", str(target), "-lm"], target.parent)
+    compile_for(command, FLAGS, source, target, include, version)
     try:
         ctypes.CDLL(str(target))
     except OSError as error:
@@ -151,12 +160,12 @@ def _plain_lines(text: str) -> list[str]:
     return [f"    {line}" for line in plain if line]
 
 
-def _place(library: Path, target: Path) -> None:
-    """Put the library at `target` by way of a file beside it: who loads it meanwhile gets the old or the new."""
+def place_whole(content: bytes, target: Path) -> None:
+    """Write `target` by way of a file beside it: who reads it meanwhile gets the old or the new."""
     beside = target.with_name(f"{target.name}.{os.getpid()}.part")
     try:
         try:
-            beside.write_bytes(library.read_bytes())
+            beside.write_bytes(content)
             beside.replace(target)
         finally:
             beside.unlink(missing_ok=True)

@@ -31,14 +31,19 @@ def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata
     """Build a wheel in a copy of the sources: they may be read-only, and builds at once do not meet."""
     wheel_directory = str(Path(wheel_directory).resolve())
     with tempfile.TemporaryDirectory(prefix="cyclemap-", ignore_cleanup_errors=True) as folder:
-        for path in (path for pattern in NEEDED for path in ROOT.glob(pattern)):
-            if path.is_file() and path.parent.name != "__pycache__" and not path.name.startswith("_engine."):
-                copy = Path(folder) / path.relative_to(ROOT)
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(path, copy)
+        copy_sources(Path(folder))
         build(Path(folder) / ENGINE.relative_to(ROOT))
         with chdir(folder):
             return build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
+
+
+def copy_sources(folder: Path) -> None:
+    """Copy what a wheel is built from, all but the engine's library."""
+    for path in (path for pattern in NEEDED for path in ROOT.glob(pattern)):
+        if path.is_file() and path.parent.name != "__pycache__" and not path.name.startswith("_engine."):
+            copy = folder / path.relative_to(ROOT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, copy)
 
 
 def build_editable(

@@ -13,7 +13,7 @@ sys.path.insert(0, str(HERE / "_extensions"))
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 project = "cyclemap"
-author = "cyclemap contributors"
+author = "The cyclemap developers"
 release = version = cyclemap.__version__
 project_copyright = author
 
@@ -24,6 +24,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "drawings",
+    "explorer_page",
     "gallery",
     "house_docstrings",
     "mathml_math",

@@ -34,7 +34,7 @@ from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_theta0
 
 SURFACE = "plywood"
-# The same board with the shapes of floor and plate identified from single pushes; no cycle was among them.
+# The same board as identified from single pushes and drag-backs; no cycle was among them.
 FROM_PUSHES = "plywood-floor"
 # The plywood board as single pushes see it: a stiff trough along the robot's x axis, q = 20 y^2, in mean pressures.
 TROUGH = SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2)
@@ -91,7 +91,7 @@ def compute(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
         "friction alike all around, flat floor": even,
         "ellipse of friction (Table I), flat floor": plywood,
         "friction alike all around, floor a trough": replace(even, footprint=footprint),
-        "shapes identified from single pushes alone": CollectionLoop.mit(FROM_PUSHES, accuracy=_ACCURACY),
+        "shapes identified from pushes and drag-backs": CollectionLoop.mit(FROM_PUSHES, accuracy=_ACCURACY),
     }
     pairs = measured_theta0(measured, SURFACE)
     bins = None
@@ -212,9 +212,9 @@ def caption(result: FloorShapes) -> str:
         "the floor's shape with friction alike in all directions and nothing fitted to any cycle: on a trough along "
         "the robot's x axis (q = 20 y² mean pressures at 50 mm, as single pushes of other plates found it) turns go "
         f"from {low:.1f}° to {high:.1f}°, a second harmonic of {math.degrees(trough.harmonic(2)):.1f}°, and the same "
-        "half a turn further: a floor's shape alone makes no first harmonic. Of the same kind are the shapes of floor "
-        f"and plate that are identified from single pushes ({FROM_PUSHES}). Below: where the square rests on the "
-        "trough.",
+        "half a turn further: a floor's shape alone makes no first harmonic. The shapes of floor and plate that are "
+        f"identified from single pushes and drag-backs ({FROM_PUSHES}), where the floor's varies with the place, make "
+        f"one of {math.degrees(pushes.harmonic(1)):.1f}°. Below: where the square rests on the trough.",
     ]
     if result.measured is None:
         sentences.append(f"{NO_DATA.capitalize()} of plywood.")

@@ -16,8 +16,8 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from PIL import Image
 
 from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.collection.portrait_curves import placed
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline

@@ -92,7 +92,7 @@ def loop_family(loop_at: LoopAt, ranges: tuple[Range, ...], nodes: tuple[int, ..
     """Run `angles` cycles at each of `nodes` Chebyshev nodes a parameter (one or two), and interpolate them.
 
     >>> from cyclemap.collection.loop import CollectionLoop
-    >>> push = lambda distance: CollectionLoop.from_settings({"push_mm": distance})
+    >>> push = lambda distance: loop_from_settings({"push_mm": distance})
     >>> family = loop_family(push, ((100.0, 120.0),), (2,), 8)
     >>> family.coefficients.shape
     (2, 5)

@@ -11,8 +11,8 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Circle, Polygon
 
 from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.collection.portrait_curves import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, arrow, new_figure, picture_style
 
 from .catalogue import MeasuredFolder
@@ -48,7 +48,7 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
     loop = CollectionLoop.mit("plywood")
     first = loop.cycle(START)
     second = loop.cycle(first.theta_next)
-    return SetupAndCycles(loop, (first, second), (cycle_scene(loop, first), cycle_scene(loop, second)))
+    return SetupAndCycles(loop, (first, second), (first.scene(), second.scene()))
 
 
 def draw(result: SetupAndCycles) -> Figure:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import cyclemap as cm
-from cyclemap.collection.collection_file import collection_text
+from cyclemap.protocol.collection_file import collection_text
 
 # An L: no axis of symmetry.
 VERTICES = ((0.050, -0.035), (0.050, 0.005), (0.010, 0.010), (-0.005, 0.045), (-0.045, 0.045), (-0.045, -0.035))

@@ -10,7 +10,7 @@ import pytest
 
 from cyclemap.lazy_names import import_on_first_use
 
-ROOMS = ("maps", "mechanics", "collection", "evidence", "sweeps", "resets")
+ROOMS = ("maps", "mechanics", "collection", "protocol", "evidence", "sweeps", "resets")
 # Functions that are called like the module they are in.
 NAMESAKES = (
     *("collection.batch_experiment", "collection.fingerprint", "collection.portrait"),
@@ -31,7 +31,7 @@ def loaded(code: str, names: tuple[str, ...]) -> list[str]:
 def test_every_name_of_a_room_is_the_one_that_its_module_defines(room: str) -> None:
     """One list: __all__ holds what is imported for type checkers, and each name is the module's own object."""
     package = import_module(f"cyclemap.{room}")
-    assert len(package.__all__) > 20 and set(package.__all__) == set(package._places)
+    assert len(package.__all__) >= 10 and set(package.__all__) == set(package._places)
     for name, place in package._places.items():
         assert getattr(package, name) is getattr(import_module(place), name)
     assert set(package.__all__) <= set(dir(package))

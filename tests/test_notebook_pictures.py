@@ -38,7 +38,7 @@ def test_an_orbit_has_a_mark_for_each_point_filled_where_it_is_stable() -> None:
 
 def test_a_loop_tells_object_surface_and_push() -> None:
     """In true proportions: the square of 90 mm is as wide as high."""
-    named = cm.CollectionLoop.from_settings({"object_name": "a<b"}, LOOP)
+    named = cm.protocol.loop_from_settings({"object_name": "a<b"}, LOOP)
     assert "a<b on plywood, pushed 150 mm" in shown(named).findtext("figcaption")
     outline = next(shown(LOOP).iter("polyline")).get("points").split()
     x, y = np.array([place.split(",") for place in outline], dtype=float).T

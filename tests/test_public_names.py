@@ -13,7 +13,7 @@ PROMISED = (
     *("lyapunov_exponent", "transfer_operator", "WrappedNormal", "WrappedCauchy", "VonMises", "UniformNoise"),
     *("load_pushes", "fit_map", "identify", "compare", "CycleMapError"),
 )
-ROOMS = "collection", "evidence", "maps", "mechanics", "resets", "sweeps", "views"
+ROOMS = "collection", "evidence", "maps", "mechanics", "protocol", "resets", "sweeps", "views"
 
 
 def test_the_top_level_holds_some_sixty_names_and_the_rooms():

@@ -12,7 +12,7 @@ from cyclemap.cli.main import run
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes, read_theta0_pairs
 from cyclemap.mechanics import load_footprint, load_material
-from cyclemap.resets import read_protocol
+from cyclemap.protocol import read_protocol
 from cyclemap.text_files import LARGEST_CONTENT
 
 READERS = {".csv": (read_theta0_pairs, load_footprint), ".toml": (load_material, read_protocol)}

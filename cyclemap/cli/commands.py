@@ -44,6 +44,7 @@ _MORE = "What the robot can do besides: put the ring elsewhere, turn the object.
 _AXES = "How much one axis of friction may be longer against the other.  [default: the material's posterior, or 10]"
 _OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
 _LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
+_MARGIN = "Tell how far every setting is from losing or gaining a stable direction: some seconds, minutes under shapes."
 _ASKED = "What is asked: stable directions and whether there are any, the whole map, or where pushes end."
 _NOT_NEGATIVE, _ABOVE_ZERO = Real(min=0.0), Real(min=0.0, min_open=True)
 _SHARE, _PERCENT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.0, max=100.0, max_open=True)
@@ -181,6 +182,7 @@ command(
     "portrait",
     """Compute the cycle map of a material, tell what it implies, and draw it.""",
     loop_options,
+    option("--margin", is_flag=True, help=_MARGIN),
     run_options,
 )
 command(
@@ -197,20 +199,21 @@ command(
     """,
     protocol_options,
     option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside."),
+    option("--margin", is_flag=True, help=_MARGIN),
     result_options("fingerprint_MATERIAL.png and .json"),
 )
 command(
     "explore",
-    """Move sliders and see the object move, its map, its stable directions and its staircase, in the browser.
+    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and staircase.
 
-    MATERIAL is plywood where none is given. The page is served on this machine only; Ctrl-C ends it.
+    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself: no network, no
+    server, no installation where it is mailed to.
     """,
     protocol_options,
     option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves."),
     table_options,
-    option(
-        "--browser/--no-browser", default=True, show_default=False, help="Open the page, or only print its address."
-    ),
+    option("--browser/--no-browser", default=True, show_default=False, help="Open the page, or only write it."),
+    option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
 )
 command(
     "dynamics",
@@ -386,7 +389,7 @@ command(
 )
 command(
     "report",
-    "Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance.",
+    "Write report_MATERIAL.html: verdict, the explorer's page, data beside it, what to do, provenance.",
     loop_options,
     option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by."),
     table_options,

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, StepComparison, Steps
+    from cyclemap.maps import Orbit, RestMultiplier, SlowZone, StaircaseSummary, StepComparison, Steps
     from cyclemap.resets import ResetStrategy
+    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 Json = dict[str, object]
 
@@ -47,6 +48,9 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
             "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
             **numbers_of(operator, "spectral_gap", "mixing_cycles"),
             "tv_from_uniform": number(portrait.tv_from_uniform),
+            "held": [
+                {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
+            ],
         },
         "staircase": _staircase(portrait.prediction),
     }
@@ -143,6 +147,38 @@ def forecast_report(found: LockForecast) -> Json:
     ]
     seen = {"median": middle, "lower": low, "upper": high}
     return {"cycles": found.cycles, "chance_of_lock_in": found.chance, "directions": where, "orientations_of_36": seen}
+
+
+def multiplier_report(found: RestMultiplier | None) -> Json | None:
+    """The multiplier of the last cycles; None where they do not rest."""
+    if found is None:
+        return None
+    numbers_told = numbers_of(found, "value", "lower", "upper")
+    return {**numbers_told, "cycles": found.cycles, "theta_deg": direction_deg(found.theta)}
+
+
+def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
+    """How far each setting is from a change of the stable directions, nearest first, in the units of the keys."""
+    from cyclemap.protocol.setting_table import SETTINGS
+
+    found: list[Json] = []
+    for one in margins:
+        unit = float(SETTINGS[one.key].unit.in_si)
+        told: Json = {"key": one.key, "value": one.value / unit, "directions": one.directions}
+        for side, change in (("below", one.below), ("above", one.above)):
+            told[side] = (
+                None
+                if change is None
+                else {
+                    "value": change.value / unit,
+                    "error": change.value.error_bound / unit,
+                    "kind": change.kind,
+                    "theta_deg": None if math.isnan(change.theta) else direction_deg(change.theta),
+                    "directions": change.directions,
+                }
+            )
+        found.append({**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)})
+    return found
 
 
 def _staircase(prediction: StaircaseSummary) -> Json:

@@ -28,15 +28,6 @@ PATH: Any = click.Path(path_type=Path)
 Command = Callable[..., None]
 
 
-@dataclass(frozen=True)
-class LoopOptions:
-    """Which loop a command is about; material: None where none was named, which stands for isotropic friction."""
-
-    material: str | None
-    protocol: Path | None
-    settings: tuple[str, ...]
-
-
 json_option = click.option(
     "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
 )
@@ -68,6 +59,8 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         one = (material is None) != (material_file is None)
         if not one and (needs_material or material is not None):
             raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
+        from cyclemap.protocol.chosen_loop import LoopOptions
+
         command(options=LoopOptions(material or material_file, protocol, settings), **others)
 
     file, tables = "A material file, in place of MATERIAL.", "The --set keys in TOML tables, and a [strategy]."
@@ -229,11 +222,11 @@ def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
 
 def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
-    from cyclemap.collection.collection_file import data_table
     from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
     from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
     from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
     from cyclemap.evidence.pushes.pose_streams import UnclearStream
+    from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
     if is_planned(data):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cyclemap.collection.loop import CollectionLoop
+    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
 # More letters than any table has in a row.
@@ -189,3 +190,21 @@ class PeopleConsole(Console):
         self.width = max(before, needed)
         self.print(table)
         self.width = before
+
+
+def margins_of(loop: CollectionLoop) -> tuple[DirectionMargin, ...]:
+    """How far every setting of a loop is from a change of its stable directions, with progress."""
+    from cyclemap.sweeps.direction_margins import direction_margins
+
+    with progress_bar("margins of the settings") as report:
+        return direction_margins(loop, progress=report)
+
+
+def tell_margins(console: PeopleConsole, margins: Sequence[DirectionMargin]) -> None:
+    """Print them for people."""
+    from cyclemap.views import sentences
+
+    console.print(sentences.margin_sentence(margins))
+    if rows := sentences.margin_rows(margins):
+        table = people_table("Where stable directions come and go", sentences.MARGIN_COLUMNS, rows, words=(0,))
+        console.print_table(table)

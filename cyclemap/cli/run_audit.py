@@ -5,7 +5,7 @@ from pathlib import Path
 from cyclemap.cli.json_report import degrees, direction_deg
 from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
-from cyclemap.cli.settings import loop_beside
+from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.resets.monitor.audit import audit
 from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
 

@@ -4,17 +4,17 @@ import math
 from pathlib import Path
 
 from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import selected_values
-from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
-from cyclemap.collection.settings import plate_note
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
+from cyclemap.mechanics.plate_footprint import plate_note
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")

@@ -4,12 +4,11 @@ import math
 from pathlib import Path
 
 from cyclemap.cli.json_report import Json, actions_report, degrees, number
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, people_table, publish_json, result_stem, write_json
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 
 COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
 # Up to so many degrees an orientation is known to a thousandth of a degree.

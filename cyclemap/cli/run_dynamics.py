@@ -5,11 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from cyclemap.cli.json_report import Json, degrees, number
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
-from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
 
 COLUMNS = ("law", "model", "θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "next θ0 (°)")

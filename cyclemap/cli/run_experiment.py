@@ -5,11 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
-from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import experiment_page as page
 
 

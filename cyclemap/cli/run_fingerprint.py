@@ -3,22 +3,40 @@
 import math
 from pathlib import Path
 
-from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number, orbit_report, uncertainty_report
-from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.json_report import (
+    Json,
+    degrees,
+    degrees_of,
+    direction_deg,
+    margins_report,
+    number,
+    orbit_report,
+    uncertainty_report,
+)
+from cyclemap.cli.output import (
+    PeopleConsole,
+    margins_of,
+    people_table,
+    progress_bar,
+    publish,
+    result_stem,
+    tell_margins,
+)
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
 
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
 
-def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format: str, json_target: str | None) -> None:
+def run_fingerprint(
+    options: LoopOptions, check: bool, margin: bool, out: Path, picture_format: str, json_target: str | None
+) -> None:
     """Compute the fingerprint and the prediction, draw both, and print them for people or as JSON."""
     loop, _ = chosen_loop(options)
     surface = Anisotropy.of(loop.material.friction)
@@ -40,7 +58,9 @@ def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format
         if check and prediction is not None:
             checked = check_prediction(prediction, loop, progress=lambda done: report(0.2 + 0.8 * done))
     known = direction_uncertainty(loop) if predicts else None
-    told = fingerprint_report(found, prediction, checked, name, known)
+    told, margins = fingerprint_report(found, prediction, checked, name, known), margins_of(loop) if margin else None
+    if margins is not None:
+        told["margins"] = margins_report(margins)
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
     picture = publish(told, page, result_stem(out, "fingerprint", loop, name), picture_format, json_target)
     if picture is None:
@@ -59,6 +79,8 @@ def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
+    if margins is not None:
+        tell_margins(console, margins)
     for line in filter(None, (*lines, f"picture: {picture}")):
         console.print(line)
 

@@ -10,10 +10,9 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
+from cyclemap.cli.json_report import Json, degrees, multiplier_report, number, numbers, numbers_of
 from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
-from cyclemap.cli.settings import loop_beside
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.motion_check import check_pushes
@@ -22,6 +21,7 @@ from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleM
 from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
 
 # Bad files are told by name up to this many, and counted beyond.
@@ -177,6 +177,7 @@ def set_report(fit: SetFit) -> Json:
             "law_alone_total_variation": number(found.law_alone_total_variation),
             "law_alone_distance_deg": degrees(found.law_alone_distance),
         },
+        "last_cycles": multiplier_report(fit.rest),
         "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
     }
 

@@ -9,14 +9,10 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
-from cyclemap.cli.settings import chosen_loop, told_settings
-from cyclemap.collection.collection_file import collection_tables, collection_text
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import NOISE_KEY
-from cyclemap.collection.settings import with_material
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
@@ -41,6 +37,9 @@ from cyclemap.mechanics import EllipseFriction, Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.collection_file import collection_tables, collection_text
+from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.views.style import render
@@ -126,7 +125,7 @@ def _conclude(
         headline(material.name, derived, found.friction()),
     )
     # The material file names object, push and ring that it was found with where these are not MIT's own.
-    loop = with_material(data.loop, material)
+    loop = data.loop.with_material(material)
     is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
     page = identify_page(answer, found, identified_curves(found, data.scans, seed), page_sentences(found))
     toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"

@@ -8,18 +8,18 @@ from typing import Any
 import click
 
 from cyclemap.cli.run_check import tell_check
-from cyclemap.cli.settings import set_settings
-from cyclemap.collection.collection_file import collection_text
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.outline_files import read_outline
-from cyclemap.collection.own_object import first_settings, within_reach
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.setting_table import SETTINGS, without_noise
-from cyclemap.collection.settings import layered
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Ellipse, Polygon, Slider
 from cyclemap.mechanics.outline import Outline
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import set_settings
+from cyclemap.protocol.collection_file import collection_text
+from cyclemap.protocol.outline_files import read_outline
+from cyclemap.protocol.own_object import first_settings, within_reach
+from cyclemap.protocol.setting_table import SETTINGS, without_noise
+from cyclemap.protocol.settings import layered, loop_from_settings
 from cyclemap.text_files import write_whole
 
 COMMENTS = (
@@ -41,7 +41,7 @@ def run_init(file: Path, json_target: str | None, **asked: Any) -> None:
     name = asked["name"] or asked["shape"] or (asked["outline"] or file).stem
     own, sigma = without_noise(set_settings(asked["settings"]))
     first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
-    loop = CollectionLoop.from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
+    loop = loop_from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
     material = replace(loop.material, name=asked["surface"], provenance="given with cyclemap init, not measured")
     loop = replace(loop, material=material)
     if "push_mm" not in own and not asked["shape"]:

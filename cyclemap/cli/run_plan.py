@@ -11,16 +11,16 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
-from cyclemap.cli.settings import chosen_loop
-from cyclemap.collection.collection_file import collection_text
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
 from cyclemap.evidence.plausibility import implausible
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import robot_schedule, table_to_fill
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
+from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
 from cyclemap.views.plan_page import known_words, measured_sentences, plan_page, plan_sentences
 

@@ -7,12 +7,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import portrait_report
-from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
-from cyclemap.cli.settings import chosen_collection
+from cyclemap.cli.json_report import margins_report, portrait_report
+from cyclemap.cli.options import TableOptions, measured_orientations
+from cyclemap.cli.output import (
+    PeopleConsole,
+    margins_of,
+    people_table,
+    progress_bar,
+    publish,
+    result_stem,
+    tell_margins,
+)
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
+from cyclemap.errors import InvalidInput
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
 
@@ -21,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def run_portrait(
-    options: LoopOptions, data: Path | None, table: TableOptions, cycles: int | None, seed: int,
+    options: LoopOptions, data: Path | None, table: TableOptions, cycles: int | None, seed: int, margin: bool,
     out: Path, picture_format: str, json_target: str | None,
 ) -> None:  # fmt: skip
     """Compute the portrait, draw it, and print it for people or as JSON."""
@@ -30,16 +39,22 @@ def run_portrait(
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait
 
+        if margin:
+            raise InvalidInput("--margin tells how far one loop's settings are from a change, and a strategy has many")
+
         run_strategy_portrait(chosen, chosen.strategy, pairs, cycles, seed, out, picture_format, json_target)
         return
     # The staircase starts where the data start and is as long, unless told otherwise.
     path = None if pairs is None else pairs.path
     length, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
-    with progress_bar(f"cycle map of {loop.material.name}") as report:
-        found = portrait(loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=report)
+    with progress_bar(f"cycle map of {loop.material.name}") as done:
+        found = portrait(loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=done)
     measured = None if pairs is None else _overlay(pairs, found)
     page, stem = portrait_page(found, portrait_curves(found), measured), result_stem(out, "portrait", loop)
-    picture = publish(portrait_report(found, measured), page, stem, picture_format, json_target)
+    report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
+    if margins is not None:
+        report["margins"] = margins_report(margins)
+    picture = publish(report, page, stem, picture_format, json_target)
     if picture is None:
         return
     console, material = PeopleConsole(), found.loop.material
@@ -52,6 +67,8 @@ def run_portrait(
     if found.fixed_points:
         rows = [(f"{math.degrees(o.points[0]):.3f}", f"{o.multiplier:.4f}", o.kind) for o in found.fixed_points]
         console.print_table(people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""), rows))
+    if margins is not None:
+        tell_margins(console, margins)
     if line := sentences.material_line(material):
         console.print(line)
     for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):

@@ -10,14 +10,14 @@ from typing import Any
 import click
 
 from cyclemap.cli.json_report import degrees
-from cyclemap.cli.options import LoopOptions, readable_data
+from cyclemap.cli.options import readable_data
 from cyclemap.cli.output import PeopleConsole, publish
-from cyclemap.cli.settings import chosen_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import load_pushes
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.push_probe import OUTCOMES, Probe, command_push, probe, probe_pushes
 from cyclemap.mechanics import load_material
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.probe_page import probe_page, probe_sentences
 
 

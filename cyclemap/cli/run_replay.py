@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import reasons_of, selected_values
-from cyclemap.cli.settings import chosen_loop, told_settings
-from cyclemap.collection.settings import plate_note
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.replay.replay_table import DATASET_PUSHER, ReplayedPushes, dataset_sliders, replay_pushes
+from cyclemap.mechanics.plate_footprint import plate_note
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.replay_page import replay_headline, replay_page
 
 if TYPE_CHECKING:

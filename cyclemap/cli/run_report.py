@@ -6,21 +6,19 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import LoopOptions, TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import progress_bar, result_stem
-from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
-from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.compare import compare
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.protocol_file import protocol_text
 from cyclemap.resets import design_reset
-from cyclemap.resets.protocol.protocol_file import protocol_text
 from cyclemap.text_files import write_whole
 from cyclemap.views import compare_page, sentences
-from cyclemap.views.portrait_page import portrait_page
-from cyclemap.views.report.report_page import Download, Section, report_html, ring_answers
+from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
 from cyclemap.views.reset_page import design_sentences
 from cyclemap.views.style import render
 
@@ -51,8 +49,7 @@ def run_report(options: LoopOptions, data: Path | None, table: TableOptions, res
     start = 0.0 if path is None else float(path[0])
     with progress_bar(f"report on {loop.material.name}") as progress:
         cycles = 2000 if path is None else len(path) - 1
-        found = portrait(loop, sigma=chosen, cycles=cycles, start=start, progress=lambda share: progress(0.4 * share))
-        rings = ring_answers(loop, sigma, start, lambda share: progress(0.4 + 0.2 * share))
+        found = portrait(loop, sigma=chosen, cycles=cycles, start=start, progress=lambda share: progress(0.6 * share))
         sections: list[Section] = []
         if data is not None:
             sections += _beside_data(found, data, sigma, chosen is not None, lambda share: progress(0.6 + 0.3 * share))
@@ -69,17 +66,16 @@ def run_report(options: LoopOptions, data: Path | None, table: TableOptions, res
         sections.append(Section("How sure", tuple(filter(None, sure))))
         sections = [replace(one, paragraphs=tuple(map(typeset, one.paragraphs))) for one in sections]
         sections += [Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
-    picture = render(portrait_page(found, portrait_curves(found)), "png", 80)
-    page = report_html(
+    inputs = [path for path in (data, options.protocol) if path is not None and path.is_file()]
+    page = page_html(
         found,
         start,
-        rings,
-        picture,
-        _command(options, data, reset),
+        (options.material or "isotropic",),
+        told_settings(options, data)[1],
         pairs=pairs,
         sections=sections,
         downloads=downloads,
-        inputs=[path for path in (data, options.protocol) if path is not None and path.is_file()],
+        provenance=provenance_of(found, _command(options, data, reset), inputs),
     )
     stem = result_stem(out, "report", loop)
     place = stem.with_name(f"{stem.name}.html")

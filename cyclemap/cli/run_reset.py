@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.json_report import Json, actions_report, degrees
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.mechanics import load_material
+from cyclemap.protocol import write_protocol, write_schedule
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.resets import (
     MaterialRange,
     ResetDemands,
@@ -16,10 +16,16 @@ from cyclemap.resets import (
     ResetRow,
     design_reset,
     material_range,
-    write_protocol,
-    write_schedule,
 )
-from cyclemap.views.reset_page import COLUMNS, design_sentences, miss_sentences, recipe, reset_page, row_cells
+from cyclemap.views.reset_page import (
+    COLUMNS,
+    design_sentences,
+    histogram_words,
+    miss_sentences,
+    recipe,
+    reset_page,
+    row_cells,
+)
 from cyclemap.views.sentences import material_line
 
 
@@ -52,7 +58,8 @@ def run_reset(
     for sentence in miss_sentences(design):
         console.print(sentence, style="bold red")
     console.tell(*design_sentences(design))
-    console.print_table(people_table("Beside it", COLUMNS, map(row_cells, design.rows[1:]), words=(0, 1)))
+    title = f"It, and others beside it ({histogram_words(design)})"
+    console.print_table(people_table(title, COLUMNS, map(row_cells, design.rows), words=(0, 1)))
     files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
     console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))
 
@@ -79,7 +86,12 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
     return {
         "material": design.loop.material.name,
         "noise_deg": degrees(design.sigma),
-        "range": {"told": design.about.told, "materials": [one.name for one in design.about.materials]},
+        "range": {
+            "told": design.about.told,
+            "materials": [one.name for one in design.about.materials],
+            "share": design.about.share,
+            "confidence": design.about.confidence,
+        },
         "met": design.met,
         "reasons": list(miss_sentences(design)),
         "independent_histogram_distance": design.independent,

@@ -5,14 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 
 # Far below any noise of a cycle, and twice as fast as the default.
 ACCURACY = 1e-6

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from cyclemap.cli.json_report import staircase_report
-from cyclemap.cli.options import LoopOptions, TableOptions, measured_orientations
+from cyclemap.cli.options import TableOptions, measured_orientations
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
 from cyclemap.evidence import measured_staircase
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.views import staircase_page
 from cyclemap.views.sentences import ahead_sentence, uncertainty_sentence
 

@@ -8,11 +8,11 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.cli.json_report import Json, actions_report, degrees, direction_deg, measured_report, number, steps_report
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
-from cyclemap.cli.settings import ChosenCollection
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
+from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
 from cyclemap.views.reset_page import recipe, strategy_page

@@ -11,13 +11,12 @@ import click
 
 from cyclemap import sweeps
 from cyclemap.cli.json_report import Json, number, numbers
-from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem
-from cyclemap.cli.settings import set_settings, told_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import SETTINGS
-from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput, unknown_name
+from cyclemap.protocol.chosen_loop import LoopOptions, set_settings, told_settings
+from cyclemap.protocol.setting_table import SETTINGS
+from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.sweep_curves import sweep_curves
@@ -93,7 +92,7 @@ def _object_loop(plan: SweepPlan) -> CollectionLoop:
     """The loop whose object the sweep is of: MIT's where objects are swept, or the first point makes none."""
     settings = {key: value for key, value in plan.point(0).settings.items() if key in _OBJECT_KEYS}
     with suppress(InvalidInput):
-        return CollectionLoop.mit() if set(plan.keys) & _OBJECT_KEYS else CollectionLoop.from_settings(settings)
+        return CollectionLoop.mit() if set(plan.keys) & _OBJECT_KEYS else loop_from_settings(settings)
     return CollectionLoop.mit()
 
 

@@ -8,15 +8,18 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers_of
-from cyclemap.cli.options import LoopOptions, TableOptions, tell_what_was_read, told_columns
+from cyclemap.cli.json_report import Json, degrees, direction_deg, multiplier_report, number, numbers_of
+from cyclemap.cli.options import TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
-from cyclemap.cli.settings import chosen_collection
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.conventions import convention_of
+from cyclemap.maps import rest_multiplier
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction, next_action, strategy_maps, watch
 from cyclemap.resets.monitor.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
+from cyclemap.views.sentences import multiplier_sentence
 
 Chosen = tuple[CycleAction, NextAction]
 Choose = Callable[[BiasMonitor], Chosen | None]
@@ -30,7 +33,8 @@ def run_watch(
 ) -> None:  # fmt: skip
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
-    feed, monitor, reports = theta0_feed(file, columns, units, **table.convention), BiasMonitor(alarm_rate), list[Any]()
+    feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
+    monitor, reports = BiasMonitor(alarm_rate), list[Any]()
     if not follow:
         found, choose = feed.look(finished=True), _chooser(protocol, material)
         tell_what_was_read(found.words, found.guessed)
@@ -100,13 +104,15 @@ def _conclude(
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    last, chosen = reports[-1], choose(monitor)
+    last, chosen, rest = reports[-1], choose(monitor), rest_multiplier(monitor.path)
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}
+    told["multiplier"] = multiplier_report(rest)
     figure, stem = page.watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
     picture = publish(told, figure, stem, picture_format, None if quiet else json_target)
     if picture is not None and not quiet:
         following = () if chosen is None else (page.next_action_sentence(*chosen),)
-        PeopleConsole().tell(*page.watch_sentences(last), *following, f"picture: {picture}")
+        lines = *page.watch_sentences(last), multiplier_sentence(rest), *following, f"picture: {picture}"
+        PeopleConsole().tell(*filter(None, lines))
 
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:

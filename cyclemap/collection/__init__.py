@@ -25,11 +25,6 @@ With inertia
 DynamicLoop, DynamicCycle : the loop by the dynamic simulation
 compare_dynamics, DynamicsComparison : both routes from the same orientations
 isotropic_twin : the loop on a surface that has no preferred direction
-
-An object of one's own
-----------------------
-read_outline, OutlineFile : its outline from a drawing or a model
-check_collection, CheckedCollection : what is likely wrong with a collection file
 """
 
 from typing import TYPE_CHECKING
@@ -49,8 +44,6 @@ if TYPE_CHECKING:
     from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
     from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
     from cyclemap.collection.loop import CollectionLoop, Cycle, Cycles, CycleSensitivity, CycleTrajectory, run_cycles
-    from cyclemap.collection.outline_files import OutlineFile, read_outline
-    from cyclemap.collection.own_object import CheckedCollection, check_collection
     from cyclemap.collection.portrait import Portrait, StaircaseForecast, portrait, staircase_forecast
     from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty, direction_uncertainty
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
@@ -64,4 +57,3 @@ __all__ += ["StaircaseForecast", "batch_experiment", "direction_uncertainty", "p
 __all__ += ["Anisotropy", "Fingerprint", "Prediction", "PredictionCheck", "TurnResponse", "check_prediction"]
 __all__ += ["fingerprint", "predict"]
 __all__ += ["DynamicCycle", "DynamicLoop", "DynamicsComparison", "compare_dynamics", "isotropic_twin"]
-__all__ += ["CheckedCollection", "OutlineFile", "check_collection", "read_outline"]

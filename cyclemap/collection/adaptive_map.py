@@ -34,6 +34,8 @@ _SIDE_SHARE = 0.2
 # Intervals that are tried at one more place at the end, the least certain first; where in them, as a share, by the
 # number of their inner nodes: where polynomials through these are off by nearly the most.
 _CHECKED, _OFF_NODES = 12, {0: 0.3, 1: 0.3, 3: 0.1}
+# Times that intervals are tried so, while some fail.
+_ROUNDS = 3
 # Cubics are compared at these shares of their width; they are put this much closer than what is seen there asks for.
 _COMPARED, _CLOSER = (0.25, 0.5, 0.75), 1.15
 
@@ -271,17 +273,29 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
 
 
 def _check(sampler: _Sampler) -> None:
-    """Try the least certain intervals, and some spread over the circle, off their middle; resolve those that fail."""
+    """Try the least certain intervals, and some spread over the circle, off their middle; resolve those that fail.
+
+    Where one does, a map may wave in step with the nodes, which are blind to it: then all others are tried, too.
+    """
     by_error = sorted(sampler.finished, key=lambda interval: interval.error, reverse=True)
     spread = sampler.finished[:: max(1, len(sampler.finished) // _CHECKED)]
-    chosen = {id(interval): interval for interval in [*by_error[:_CHECKED], *spread]}
-    wide = [interval for interval in chosen.values() if interval.width > 2.0 * _NARROWEST]
-    places = [interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width for interval in wide]
-    for interval, found in zip(wide, sampler.nodes(places), strict=True):
-        filled = _FILLED * sampler.tolerance if interval.inner else 0.0
-        error = abs(interval.polynomial.at(found.theta)[0] - found.value) + filled
-        sampler.finished = [other for other in sampler.finished if other is not interval]
-        if error <= sampler.tolerance:
-            sampler.finish(replace(interval, error=max(error, interval.error)))
-        else:
-            _resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])
+    waiting, checked = [*by_error[:_CHECKED], *spread], set[tuple[float, float]]()
+    for _ in range(_ROUNDS):
+        chosen = {(interval.low.theta, interval.high.theta): interval for interval in waiting}
+        wide = [one for ends, one in chosen.items() if one.width > 2.0 * _NARROWEST and ends not in checked]
+        checked |= set(chosen)
+        places = [interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width for interval in wide]
+        missed = False
+        for interval, found in zip(wide, sampler.nodes(places), strict=True):
+            filled = _FILLED * sampler.tolerance if interval.inner else 0.0
+            error = abs(interval.polynomial.at(found.theta)[0] - found.value) + filled
+            sampler.finished = [other for other in sampler.finished if other is not interval]
+            if error <= sampler.tolerance:
+                sampler.finish(replace(interval, error=max(error, interval.error)))
+            else:
+                missed = True
+                ends = (interval.low, found, interval.high)
+                _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(ends)])
+        if not missed:
+            return
+        waiting = sampler.finished

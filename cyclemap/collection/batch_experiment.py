@@ -9,9 +9,9 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop, require_loop
-from cyclemap.collection.portrait_curves import placed
 from cyclemap.errors import InvalidInput
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.

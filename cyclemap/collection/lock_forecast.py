@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import sampled_loop
-from cyclemap.collection.uncertain_directions import clusters
+from cyclemap.collection.uncertain_directions import clusters, sampled_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import run_batch
 

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.setting_table import without_noise
-from cyclemap.collection.settings import apply_settings, warn_of_defaults, with_material
+from cyclemap.collection.cycle_scene import CycleScene
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
@@ -36,6 +35,8 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, CycleSlopes, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.plate_footprint import plate_footprint
 
 if TYPE_CHECKING:
     import pandas
@@ -158,10 +159,13 @@ class Cycle(StrokePair[PushResult, DragResult]):
         push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
         return CycleTrajectory(push.trajectory, drag.trajectory)
 
-    def _repr_html_(self) -> str:
-        from cyclemap.collection.portrait_curves import cycle_scene
+    def scene(self) -> CycleScene:
+        """Return the cycle as outlines, paths and forces in the world, ready to draw."""
+        loop, course = self.loop, self.trajectory
+        return CycleScene.of_courses(loop.slider, loop.pusher.radius, course.push, course.drag)
 
-        scene = cycle_scene(self.loop, self)
+    def _repr_html_(self) -> str:
+        scene = self.scene()
         outlines = [Stroke(scene.push.before), Stroke(scene.push.after, BLUE), Stroke(scene.drag.after, GREY)]
         rod = [Stroke(stroke.rod, width=1.0) for stroke in (scene.push, scene.drag)]
         push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
@@ -225,36 +229,26 @@ class CollectionLoop:
         """
         surface = material if isinstance(material, Material) else load_material(material)
         slider = changes.pop("slider", None) or Slider.mit("rect1")
-        return replace(with_material(cls(slider, surface), surface), **changes)
+        return replace(cls(slider, surface).with_material(surface), **changes)
 
-    @classmethod
-    def from_file(cls, path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
-        """Return the loop of a collection file, such as `cyclemap init` writes.
+    def with_material(self, material: Material) -> CollectionLoop:
+        """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure.
 
-        surface : a material, or a material file, in place of the file's own. What the file does not say is MIT's; where
-        its object is not, a `DoubtfulInput` warning tells what that is. Raises DataFileError for a file that is none.
+        >>> CollectionLoop.mit("plywood").with_material(load_material("isotropic")).material.name
+        'isotropic'
         """
-        from cyclemap.collection.collection_file import names_surface, read_settings
-
-        settings = read_settings(path)
-        material = load_material(surface or (path if names_surface(path) else "isotropic"))
-        warn_of_defaults(settings)
-        return cls.from_settings(settings, cls.mit(material))
-
-    @classmethod
-    def from_settings(cls, settings: dict[str, object], base: CollectionLoop | None = None) -> CollectionLoop:
-        """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line.
-
-        What files say of the noise of a cycle, `noise_deg`, is checked and left aside: a loop has none.
-
-        >>> CollectionLoop.from_settings({"push_mm": 80, "noise_deg": 2}).push.distance
-        0.08
-        """
-        return apply_settings(base or cls.mit(), without_noise(settings)[0])
+        known = material.found_with
+        parts: dict[str, Any] = {"material": material}
+        if known.pusher_friction is not None:
+            parts["pusher"] = replace(self.pusher, friction=known.pusher_friction)
+        if known.pin_friction_radius is not None:
+            parts["reset"] = replace(self.reset, pin_friction_radius=known.pin_friction_radius)
+        pressure = plate_footprint(material, self.slider)
+        if pressure is not None:
+            parts["footprint"] = pressure
+        return replace(self, **parts)
 
     def _repr_html_(self) -> str:
-        from cyclemap.collection.own_object import first_contact
-
         outline = self.slider.outline_points(200)
         start, way = first_contact(self.slider, self.push, self.pusher.radius)
         push = Stroke([start, start + 0.5 * self.slider.outline.extent * way])
@@ -301,8 +295,11 @@ class CollectionLoop:
         """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.
 
         At accuracy 1e-8 derivatives by theta are off by 3e-7 in the median and by 1e-5 at worst, at 1e-10 by 2e-8 and
-        6e-7 (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the radius of a point rod that comes to a corner,
-        and by shares that a footprint cannot have, they are nan; by the friction of a ring that has none one-sided.
+        6e-7 (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the friction of a ring that has none, and by the
+        radius of a rod that is a point, they are one-sided: where it goes around a corner or into a concave one they
+        are those of thin rods, off by 2e-6 in the median and by 2e-3 at worst (950 cycles). They are nan by shares that
+        a footprint cannot have, and by the radius of a point that starts or rests at a corner, where a thin rod's way
+        grows as the root of its radius.
         Raises InvalidInput for an unknown name.
         """
         for name in parameters:

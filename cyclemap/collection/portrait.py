@@ -20,6 +20,7 @@ from cyclemap.maps import (
     DriftingMap,
     Estimate,
     LocalNoise,
+    MetastableSet,
     Orbit,
     RotationNumber,
     Staircase,
@@ -133,6 +134,11 @@ class Portrait:
     def tv_from_uniform(self) -> float | None:
         """Total variation distance of the stationary law from uniform; None where the law is not determined."""
         return self.operator.tv_from_uniform if self.operator.is_certain else None
+
+    @cached_property
+    def held(self) -> tuple[MetastableSet, ...]:
+        """The sets of directions among which noise rarely carries θ0, where it is known how often it is in each."""
+        return self.operator.metastable_sets() if self.operator.is_certain else ()
 
     def stay(self, orbit: Orbit) -> float | None:
         """Mean cycles from a stable point until noise has carried θ0 off it; None where that is not known."""

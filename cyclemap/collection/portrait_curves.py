@@ -1,87 +1,13 @@
-"""What a portrait shows, ready to draw: its curves, and one cycle as a scene of outlines, rod path and forces."""
+"""What a portrait shows, ready to draw: its curves and its cycle."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.cycle_scene import CycleScene
 from cyclemap.collection.portrait import FULL_TURN, Portrait
 from cyclemap.maps import CircleMap, transfer_operator
-
-OUTLINE_POINTS = 400
-# Where along the rod's path a force is shown.
-FORCE_PLACES = (0.04, 0.36, 0.68)
-
-
-@dataclass(frozen=True, eq=False)
-class StrokeScene:
-    """One stroke of the rod, in the world frame (m, N).
-
-    before, after : (k, 2) closed outlines of the object. ring_before, ring_after : (2,).
-    centre : (n, 2) path of the object's centre. rod : (n, 2) path of the rod's centre. rod_radius : m.
-    sliding : (n,) bool, where the rod slides along the object.
-    force_point, force : (m, 2) some contact points and the forces on the object there.
-    reach : (2, 2) m, the lowest and the highest x, y of anything in the scene.
-    """
-
-    before: Array
-    after: Array
-    ring_before: Array
-    ring_after: Array
-    centre: Array
-    rod: Array
-    rod_radius: float
-    sliding: NDArray[np.bool_]
-    force_point: Array
-    force: Array
-    reach: Array
-
-
-@dataclass(frozen=True, eq=False)
-class CycleScene:
-    """The push and the drag of one cycle, its origin the reset target. strongest_force : N, of those shown."""
-
-    push: StrokeScene
-    drag: StrokeScene
-    strongest_force: float
-
-
-def cycle_scene(loop: CollectionLoop, cycle: Cycle) -> CycleScene:
-    """The scene of `cycle`, which `loop` ran."""
-    outline, hitch, strokes = loop.slider.outline_points(OUTLINE_POINTS), np.array(loop.slider.hitch, dtype=float), []
-    for course in (cycle.trajectory.push, cycle.trajectory.drag):
-        first, last = course.pose[0], course.pose[-1]
-        travelled = course.path / max(course.path[-1], np.finfo(float).tiny)
-        shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
-        before, after, tips = placed(first, outline), placed(last, outline), course.contact_point[shown]
-        rod = [course.pusher - loop.pusher.radius, course.pusher + loop.pusher.radius]
-        everything = np.concatenate([before, after, *rod, tips])
-        stroke = StrokeScene(
-            before=before,
-            after=after,
-            ring_before=placed(first, hitch),
-            ring_after=placed(last, hitch),
-            centre=course.pose[:, :2],
-            rod=course.pusher,
-            rod_radius=loop.pusher.radius,
-            sliding=np.char.startswith(np.asarray(course.mode, dtype=str), "slide"),
-            force_point=tips,
-            force=course.contact_force[shown],
-            reach=np.array([everything.min(axis=0), everything.max(axis=0)]),
-        )
-        strokes.append(stroke)
-    push, drag = strokes
-    return CycleScene(push, drag, float(max(np.hypot(*stroke.force.T).max() for stroke in strokes)))
-
-
-def placed(pose: Array, points: Array) -> Array:
-    """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)
-
 
 CURVE_SAMPLES = 1440
 # Surfaces, from fresh to worn, whose densities are averaged.
@@ -146,7 +72,7 @@ def portrait_curves(portrait: Portrait) -> PortraitCurves:
         shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
         maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
         density = np.mean([transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0)
-    scene = cycle_scene(portrait.loop, portrait.cycle)
+    scene = portrait.cycle.scene()
     return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density, scene)
 
 

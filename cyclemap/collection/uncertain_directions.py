@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import sampled_loop
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
@@ -88,6 +87,22 @@ class DirectionUncertainty:
         return near[0] if near else None
 
 
+def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
+    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
+
+    Raises InvalidInput where there is no such sample.
+    """
+    stated, sample = loop.material, loop.material.sample(number)
+    bare = replace(loop, footprint=None)
+    before, after = bare.with_material(stated), bare.with_material(sample)
+    parts = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if getattr(before, name) == getattr(loop, name)
+    }
+    return replace(loop, material=sample, **parts)
+
+
 def direction_uncertainty(
     loop: CollectionLoop, progress: Callable[[float], None] | None = None
 ) -> DirectionUncertainty:
@@ -108,15 +123,15 @@ def direction_uncertainty(
         for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
             friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
             varied.append(replace(stated, material=replace(loop.material, friction=friction, wear=None)))
-        nominal, *found = _stable_points([stated, *varied], report)
+        nominal, *found = stable_points([stated, *varied], report)
         locks, intervals = sum(one.size > 0 for one in found), _intervals(nominal, found, span=True)
         return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
     loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
-    nominal = _stable_points([stated])[0]
+    nominal = stable_points([stated])[0]
     linear = _first_order(stated, loops)
     telling, extreme = _judges(linear)
     judges = [*telling, *extreme]
-    full = dict(zip(judges, _stable_points([loops[index] for index in judges]), strict=True))
+    full = dict(zip(judges, stable_points([loops[index] for index in judges]), strict=True))
     report(0.3)
     intervals = _intervals(nominal, linear)
     # The farthest that a direction lies from the first order's.
@@ -128,7 +143,7 @@ def direction_uncertainty(
     method = FIRST_ORDER
     if error > max(_LEAST, _SHARE * min(widths, default=0.0)):
         rest = [index for index in range(len(loops)) if index not in full]
-        ran = _stable_points([loops[index] for index in rest], lambda done: report(0.3 + 0.7 * done))
+        ran = stable_points([loops[index] for index in rest], lambda done: report(0.3 + 0.7 * done))
         full.update(zip(rest, ran, strict=True))
         linear, method = [full[index] for index in range(len(loops))], SAMPLES
         intervals = _intervals(nominal, linear)
@@ -203,7 +218,7 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     return sorted(telling), sorted({some[order[0]], some[order[-1]], *none[:1], *none[-1:]} - telling)
 
 
-def _stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None) -> list[Array]:
+def stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None) -> list[Array]:
     """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees, 0.02 beside a kink."""
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)

@@ -8,9 +8,10 @@ import numpy as np
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import on_surface
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, DriftingMap
+from cyclemap.mechanics import Material
+from cyclemap.mechanics.plate_footprint import plate_footprint
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
 BLEND_TOLERANCE = 1e-3
@@ -35,7 +36,15 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
         wear=None,
         posterior=None,
     )
-    return on_surface(loop, worn)
+    return _on_surface(loop, worn)
+
+
+def _on_surface(loop: CollectionLoop, material: Material) -> CollectionLoop:
+    """Return the loop on a surface that has changed, its pressure along with it unless it was set otherwise."""
+    footprint = loop.footprint
+    if footprint == plate_footprint(loop.material, loop.slider):
+        footprint = plate_footprint(material, loop.slider)
+    return replace(loop, material=material, footprint=footprint)
 
 
 def drifting_map(

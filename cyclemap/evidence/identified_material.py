@@ -237,16 +237,15 @@ def identified_material(
     sources: Sequence[str] = (),
     last_cycle: float = 0.0,
     plate: str = "rect1",
-    seed: int = 0,
     floor: Material | None = None,
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
     sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
     surface that wears is the worn one. plate : the object whose shape was identified, where it is one alone.
-    seed : of the samples of the posterior, which are of new sessions. floor : what was known of it, whose plates,
-    sessions and frames are kept, but for shares of the load, which belong to flat floors. What the data do not depend
-    on is left open in `found_with`. Raises InvalidInput for an empty name.
+    floor : what was known of it, whose plates, sessions and frames are kept, but for shares of the load, which belong
+    to flat floors. Samples of the posterior are of new sessions. What the data do not depend on is left open in
+    `found_with`. Raises InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
@@ -281,7 +280,7 @@ def identified_material(
         session_spread=found.session_spread,
         field=floor_field(found.values),
     )
-    return replace(material, posterior=_posterior(found, material, plate, seed, before.posterior))
+    return replace(material, posterior=_posterior(found, material, plate, before.posterior))
 
 
 def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, ...]:
@@ -291,14 +290,14 @@ def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, .
 
 
 def _posterior(
-    found: Identification, material: Material, plate: str, seed: int, before: MaterialPosterior | None
+    found: Identification, material: Material, plate: str, before: MaterialPosterior | None
 ) -> MaterialPosterior | None:
     """Samples of what the data allow in a new session, in the names and units of a material file.
 
     before : samples of what was known; those of plates that the data are not of stay.
     """
-    rows, rng = list[dict[str, float]](), np.random.default_rng(seed)
-    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES, seed)):
+    rows, rng = list[dict[str, float]](), np.random.default_rng(0)
+    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
         row, worn = _ellipse(SurfaceParameters.from_values(values).to_friction()), worn_friction_of(values)
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
         off = rng.standard_normal(3) * found.session_spread
@@ -343,12 +342,24 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     free = "; ".join(told)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
     if found.priors:
-        # Beliefs of all plates alike are told once.
-        common = {name.partition("[")[0]: belief for name, belief in found.priors.items()}
-        listed = ", ".join(f"{name} {mean:g} +- {deviation:g}" for name, (mean, deviation) in common.items())
-        text += f"; believed beforehand, in SI units: {listed}"
+        text += f"; believed beforehand, in SI units: {belief_words(found.priors)}"
     held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
     return text + (f"; held: {held}" if held else "")
+
+
+def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
+    """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions are told once.
+
+    >>> belief_words({"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0), "plate_warp_x[hex]": (2.0, 0.5)})
+    'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
+    """
+    told = list[str]()
+    for plain in dict.fromkeys(name.partition("[")[0] for name in beliefs):
+        own = {name: belief for name, belief in beliefs.items() if name.partition("[")[0] == plain}
+        if len({*own.values()}) == 1:
+            own = {plain: next(iter(own.values()))}
+        told += [f"{name} {mean:.4g} +- {deviation:.4g}" for name, (mean, deviation) in own.items()]
+    return ", ".join(told)
 
 
 def misfit_words(found: Identification) -> str:

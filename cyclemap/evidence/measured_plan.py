@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import known_plate, with_material
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
@@ -23,6 +22,7 @@ from cyclemap.evidence.identification.known_floor import (
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.mechanics.material import ANY_PLATE
+from cyclemap.mechanics.plate_footprint import known_plate
 
 # Directions, and whether there are any, are known when this share of what is left to believe agrees.
 SURE = 0.95
@@ -64,7 +64,7 @@ def measured_plan(
     found, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
     sources, floor = [path.name for path in paths], loop.material
     material = identified_material(found, f"{floor.name}-measured", sources, plate=loop.slider.name, floor=floor)
-    measured = with_material(replace(loop, footprint=None), material)
+    measured = replace(loop, footprint=None).with_material(material)
     directions = direction_uncertainty(measured, part_of(report, 1, 2))
     return MeasuredPlan(measured, found, directions, notes)
 

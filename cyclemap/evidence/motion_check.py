@@ -48,6 +48,7 @@ _WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
 _LENGTHS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "m": 1.0}
 _TURNED = {"deg": math.radians(1.0), "rad": math.degrees(1.0)}
+_BY_ROD = "; sides, fractions and angles that are told are passed over: the rod's places are elsewhere"
 _TIPS = ["tip_x0", "tip_y0", "tip_x1", "tip_y1"]
 _PLAIN: dict[str, Any] = {"material": load_material("isotropic"), "footprint": None, "accuracy": 1e-6}
 _POSES = ["x0", "y0", "theta0", "x1", "y1", "dtheta"]
@@ -61,7 +62,8 @@ class OtherConvention(InvalidInput):
 class MotionCheck:
     """How far motions lie (m, in the median) from isotropic friction's as they were read, and in the next best reading.
 
-    count : of pushes. taken, other : the readings. unlike : whether motions can tell them apart. words : for people.
+    count : of pushes. taken, other : the readings. by_rod : whether the rod's places tell the contacts, against the
+    sides and fractions that are told. words : for people.
     """
 
     count: int
@@ -69,6 +71,7 @@ class MotionCheck:
     distance: float
     other: Convention
     other_distance: float
+    by_rod: bool
     words: str
 
 
@@ -100,7 +103,8 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     if len(checks) > _MOST_TOLD:
         low, high = (1e3 * end([one.distance for one in checks]) for end in (min, max))
         told = f"read with {pushes.convention.words()}: pushes of {len(checks)} objects end"
-        return (*said, f"{told} {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians")
+        told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
+        return (*said, told + any(one.by_rod for one in checks) * _BY_ROD)
     return tuple(dict.fromkeys((*said, *(one.words for one in checks))))
 
 
@@ -168,6 +172,11 @@ class _Written:
         tips = np.stack(convention.place(ends[..., 0], ends[..., 1]), axis=-1)
         return cls(rows, place, angle, moved, convention.sense * turn, tips)
 
+    @property
+    def has_tips(self) -> bool:
+        """Whether it is known of every push where the rod went."""
+        return bool((np.hypot(*(self.tips[:, 1] - self.tips[:, 0]).T) > 0.0).all())
+
     def where(self, kept: Any) -> _Written:
         """Some of the pushes."""
         arrays = (self.place, self.angle, self.moved, self.turn, self.tips)
@@ -195,17 +204,23 @@ def check_motion(
     if len(rows) < FEWEST:
         return None
     rows = rows.iloc[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST)).round().astype(int))]
-    written = _Written.of(rows, convention)
-    test = _Alike(written) if loop is None else _prediction(written, loop)
+    written, taken = _Written.of(rows, convention), _Reading(convention)
+    test = _alike(written) if loop is None else _prediction(written, loop)
     if test is None:
         return None
-    taken = _Reading(convention)
-    here = test.distance(taken)
-    found = [(test.distance(one), one) for one in test.readings(taken)]
-    best, other = _nearest(found, taken)
-    twins = [one for distance, one in found if one != other and distance <= _HARDLY * best + _NOTHING]
-    limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
     moved = float(np.median(np.hypot(np.hypot(*written.moved.T), test.lever * written.turn)))
+    here, best, other, twins = _looked(test, taken)
+    by_rod = False
+    if loop is not None and written.has_tips and here > _EXPLAINS * moved and not isinstance(test, _WithTips):
+        # What the rod's places explain, and the contacts that are told do not, was not pushed there.
+        of_rod = _WithTips(written, replace(loop, **_PLAIN))
+        looked = _looked(of_rod, taken)
+        # A zero of angles that is free to be anything explains pushes that are alike, wherever they were made.
+        free = other.convention.offset != convention.offset
+        by_rod = min(looked[:2]) < (1.0 if free else _BEATEN) * min(here, best)
+        if by_rod:
+            test, (here, best, other, twins) = of_rod, looked
+    limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
     turned = other.convention.offset != convention.offset
     most = (_EXPLAINS_TURNED if turned else _EXPLAINS) * other.length * moved
     explains = best <= min(limit * here, most)
@@ -217,7 +232,16 @@ def check_motion(
     elif loop is not None and test.lengths_known and min(here, best) > max(_FAR * moved, test.lever):
         far = f"{test.what} {1e3 * here:.3g} mm off in the median, and not less than {1e3 * best:.3g} mm in any reading"
         warnings.warn(f"{far}: are object, push and units those of the data?", DoubtfulInput, stacklevel=3)
-    return MotionCheck(len(rows), convention, here, other.convention, best, _words(test, here, best, taken, other))
+    words = _words(test, here, best, taken, other) + by_rod * _BY_ROD
+    return MotionCheck(len(rows), convention, here, other.convention, best, by_rod, words)
+
+
+def _looked(test: _Predicted, taken: _Reading) -> tuple[float, float, _Reading, list[_Reading]]:
+    """How far off the reading taken is and the next best, which that is, and those that are as good."""
+    found = [(test.distance(one), one) for one in test.readings(taken)]
+    best, other = _nearest(found, taken)
+    twins = [one for distance, one in found if one != other and distance <= _HARDLY * best + _NOTHING]
+    return test.distance(taken), best, other, twins
 
 
 def _nearest(found: list[tuple[float, _Reading]], taken: _Reading) -> tuple[float, _Reading]:
@@ -395,12 +419,17 @@ class _WithTips(_Predicted):
         return [_Reading(one) for one in _conventions() if one != taken.convention]
 
 
+def _alike(written: _Written) -> _Alike | None:
+    """The pushes at the place where most are; None where those are too few to be like one another."""
+    test = _Alike(written)
+    return test if test.count >= FEWEST else None
+
+
 def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
     """The pushes with what isotropic friction makes of them; None where it makes nothing of most."""
     rows, plain = written.rows, replace(loop, **_PLAIN)
     labelled = rows[["side", "fraction"]].notna().all(axis=1).to_numpy()
-    way = written.tips[:, 1] - written.tips[:, 0]
-    if not labelled.all() and (np.hypot(*way.T) > 0.0).all():
+    if not labelled.all() and written.has_tips:
         return _WithTips(written, plain)
     facts = rows[["side", "fraction", "angle", "length"]].to_numpy(dtype=float)
     known = bool(np.isfinite(facts[:, 3]).all())
@@ -418,6 +447,6 @@ def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
     ours = motions[number.ravel()]
     good = np.isfinite(ours[:, 0])
     if good.sum() < max(FEWEST, 0.5 * len(rows)):
-        return None
+        return _WithTips(written, plain) if written.has_tips else None
     lever = 0.5 * loop.slider.outline.extent
     return _Predicted(written.where(good), ours[good, 0] + 1j * ours[good, 1], ours[good, 2], lever, known)

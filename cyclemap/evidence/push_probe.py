@@ -25,11 +25,11 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import fit_linear, fourier_columns
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Material, Pose
+from cyclemap.mechanics.first_touch import first_contact
 
 Push = Callable[[float], Sequence[float]]
 Place = tuple[float, float]

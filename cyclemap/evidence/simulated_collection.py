@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from cyclemap.checks import finite_number, whole_number
-from cyclemap.collection.collection_file import FILE_NAME, SIMULATION, collection_text
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
@@ -34,6 +33,7 @@ from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.friction import worn_friction
 from cyclemap.plain_text import plain_number
+from cyclemap.protocol.collection_file import FILE_NAME, SIMULATION, collection_text
 from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
 
 Arguments = dict[str, str | int | float | bool]

@@ -31,6 +31,9 @@ Families, p → CircleMap
 -----------------------
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
+bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of two parameters
+slow_folds, SlowFold : when a parameter that moves takes stable points away, and how late that shows
+response, Response : derivatives of law, winding, stable points and passage times by the parameter, under noise
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
 orbit_diagram, OrbitDiagram : where orbits are after a transient
 
@@ -40,11 +43,13 @@ Noise, WrappedNormal, VonMises, WrappedCauchy, UniformNoise : the same everywher
 LocalNoise : kicks whose size depends on θ, for sampled paths
 transfer_operator, TransferOperator : stationary density, moments, rotation, with error bounds
 Spectrum : eigenvalues, with error bounds
+MetastableSet : angles that a path rarely leaves, how often it is there
 
 Passages
 --------
 mean_passage_time, log10_passage_time : cycles until an arc is left
 hitting_probability, survival_probabilities : which arc first; staying for n cycles
+quasi_stationary, QuasiStationary : where a path is that has not left an arc, and to which side it slips out
 
 Staircases
 ----------
@@ -52,6 +57,7 @@ sample_staircase, sample_staircases, Staircase : noisy paths of the lifted orien
 predict_staircase, StaircaseSummary, SlowZone : where such a path rests, how long, how high it steps
 find_steps, Steps : the dwells and steps of a path
 compare_steps, StepComparison : found beside predicted
+rest_multiplier, RestMultiplier : how much of an error the last cycles of a path keep, on its way to 1
 DriftingMap, predict_drift, DriftSummary : a map that changes with the cycle
 """
 
@@ -62,6 +68,11 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
     from cyclemap.maps.estimate import Estimate
+    from cyclemap.maps.families.bifurcation_curves import (
+        BifurcationCurve,
+        bifurcation_curves,
+        follow_bifurcation,
+    )
     from cyclemap.maps.families.continuation import (
         OrbitBranch,
         bifurcations,
@@ -71,6 +82,7 @@ if TYPE_CHECKING:
         period_doublings,
         saddle_nodes,
     )
+    from cyclemap.maps.families.curve_equations import CodimensionTwo
     from cyclemap.maps.families.family import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
     from cyclemap.maps.families.long_orbits import (
         LyapunovExponents,
@@ -80,13 +92,16 @@ if TYPE_CHECKING:
         orbit_diagram,
     )
     from cyclemap.maps.families.orbit_equations import Bifurcation
+    from cyclemap.maps.families.response import Response, response
     from cyclemap.maps.families.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
+    from cyclemap.maps.families.slow_folds import SlowFold, slow_folds
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.branches import Branch, branches, preimages
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.noise.bounded_noise import UniformNoise, VonMises
     from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.operator.metastability import MetastableSet
     from cyclemap.maps.operator.spectrum import Spectrum
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
@@ -110,6 +125,8 @@ if TYPE_CHECKING:
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
     from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time, survival_probabilities
+    from cyclemap.maps.passages.quasi_stationary import QuasiStationary, quasi_stationary
+    from cyclemap.maps.staircases.early_warning import RestMultiplier, rest_multiplier
     from cyclemap.maps.staircases.slow_zones import (
         DriftSummary,
         SlowZone,
@@ -134,15 +151,17 @@ __all__ += ["ARNOLD_FAMILY", "MOEBIUS_FAMILY", "Bifurcation", "LyapunovExponents
 __all__ += ["ParametricLift", "RotationNumbers", "RotationPlane", "Tongue", "TongueBoundaries", "bifurcations"]
 __all__ += ["border_collisions", "follow_orbit", "lyapunov_exponent", "lyapunov_exponents", "orbit_branches"]
 __all__ += ["orbit_diagram", "period_doublings", "rotation_numbers", "rotation_plane", "saddle_nodes", "tongue"]
-__all__ += ["tongues"]
+__all__ += ["BifurcationCurve", "CodimensionTwo", "bifurcation_curves", "follow_bifurcation", "tongues"]
+__all__ += ["Response", "RestMultiplier", "SlowFold", "response", "rest_multiplier", "slow_folds"]
 __all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
 __all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
-__all__ += ["Spectrum", "TransferOperator", "transfer_operator"]
+__all__ += ["MetastableSet", "Spectrum", "TransferOperator", "transfer_operator"]
 __all__ += ["Basin", "JumpCrossing", "Orbit", "PeriodicPoints", "RotationInterval", "RotationNumber", "SlowPassage"]
 __all__ += ["basins", "birkhoff_average", "crossings_by_jump", "fixed_points", "is_nondecreasing", "lower_envelope"]
 __all__ += ["periodic_orbits", "periodic_points", "rotation_interval", "rotation_number", "slow_passages"]
 __all__ += ["upper_envelope"]
-__all__ += ["hitting_probability", "log10_passage_time", "mean_passage_time", "survival_probabilities"]
+__all__ += ["QuasiStationary", "hitting_probability", "log10_passage_time", "mean_passage_time", "quasi_stationary"]
+__all__ += ["survival_probabilities"]
 __all__ += ["DriftSummary", "DriftingMap", "LocalNoise", "SlowZone", "Staircase", "StaircaseSummary", "StepComparison"]
 __all__ += ["Steps", "compare_steps", "find_steps", "predict_drift", "predict_staircase", "sample_staircase"]
 __all__ += ["sample_staircases"]

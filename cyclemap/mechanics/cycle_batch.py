@@ -25,6 +25,9 @@ _FRICTION = ("mu_a", "mu_b", "m0", "n0")
 # Ends of pushes that are kept of one model: maps take hundreds of samples, those with jumps
 # thousands.
 _MOST_KEPT = 20_000
+# Radius, in extents, of the rod whose derivatives by it stand for those of a point, and the share
+# by which one of twice that may differ: where they are no limit, they go as a root.
+_THIN, _NO_LIMIT = 4e-6, 1e-2
 _LENGTHS = ("pusher_radius", "distance", "hitch_x", "hitch_y", "pin_friction_radius")
 
 
@@ -82,8 +85,11 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     start = theta.ravel()
     (c, s), ring = _turned(start, lever)
     varied = _start_varies(c, s, ring, unit, derivatives)
-    ran = engine.run(strokes, number, np.column_stack([-ring / unit[:, None], start]), varied)
+    poses = np.column_stack([-ring / unit[:, None], start])
+    ran = engine.run(strokes, number, poses, varied)
     _check(ran, strokes, start, number)
+    if derivatives > PARAMETERS.index("pusher_radius"):
+        _thicken_points(ran, loops, number, poses, varied)
     (x, y), (ring_x, ring_y) = ran.pushed[:, :2].T, ring.T
     x, y = unit * x + ring_x, unit * y + ring_y
     moved = np.column_stack([c * x + s * y, c * y - s * x])
@@ -121,6 +127,39 @@ def _start_varies(c: Array, s: Array, ring: Array, unit: Array | float, derivati
         by_x, by_y = PARAMETERS.index("hitch_x"), PARAMETERS.index("hitch_y")
         x[:, by_x], x[:, by_y], y[:, by_x], y[:, by_y] = -c, s, -s, -c
     return varied
+
+
+def _thicken_points(
+    ran: Ran, loops: Sequence[PushAndReset], number: NDArray[np.intp], poses: Array, varied: Array
+) -> None:
+    """Fill in, where it is nan, the derivative by the radius of a rod that is a point.
+
+    It is that of thin rods in their limit, from two of them. They go around a corner, and turn in
+    a concave one, where a point has neither an arc nor a torque. It stays nan where the rods do not
+    come to where the point does, or where the derivative has no limit: a rod that starts at a
+    corner.
+    """
+    column = PARAMETERS.index("pusher_radius")
+    lacking = np.flatnonzero(np.isnan(ran.derivatives[:, :, column]).any(axis=1))
+    if not lacking.size:
+        return
+    used, which = np.unique(number[lacking], return_inverse=True)
+    pairs = []
+    for radius in (_THIN, 2.0 * _THIN):
+        strokes = []
+        for loop in (loops[index] for index in used.tolist()):
+            model = loop.model
+            pusher = replace(model.pusher, radius=radius * model.unit)
+            thin = replace(model, pusher=pusher, accuracy=1e-11)
+            strokes.append(thin.cycle_strokes(loop.push, loop.reset))
+        pairs.append(engine.run(strokes, which, poses[lacking], varied[lacking]))
+    thin, twice = pairs
+    by, by_twice = thin.derivatives[:, :, column], twice.derivatives[:, :, column]
+    most = 1.0 + np.abs(by).max(axis=1)
+    is_limit = np.abs(by_twice - by).max(axis=1) < _NO_LIMIT * most
+    jump = np.abs(thin.ended - ran.ended[lacking]).max(axis=1)
+    is_limit &= jump < 1e3 * _THIN * most
+    ran.derivatives[lacking[is_limit], :, column] = (2.0 * by - by_twice)[is_limit]
 
 
 def _jacobian(

@@ -1,4 +1,4 @@
-"""Where a rod that moves straight first touches an outline."""
+"""Where a rod that moves straight first touches an outline: of a push, and of any straight way."""
 
 import math
 
@@ -6,7 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
+from cyclemap.mechanics.contact_curve import (
+    CornerPiece,
+    EllipsePiece,
+    OutlinePiece,
+    SidePiece,
+    contact_curve,
+    side_coordinate,
+)
+from cyclemap.mechanics.outline import Ellipse
+from cyclemap.mechanics.slider import SidePush, Slider
 
 # Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the
 # second, per radius, as well, since wedges are no sharper than a curve's rounding, and a rod that
@@ -19,6 +28,32 @@ _SAME_TRAVEL = 1e-12
 OVERLAP = 1e-9
 # Halvings that find an angle to rounding.
 _HALVINGS = 54
+
+
+def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[Array, Array]:
+    """Return the centre of the rod as it first touches, (2,) m, and the push's unit vector, (2,).
+
+    Both in the object's frame. radius : of the rod, m. Raises InvalidInput for a side that is not
+    there, and a place that the rod cannot touch.
+
+    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
+    >>> (1e3 * place).round(6).tolist(), (way + 0.0).tolist()
+    ([-18.0, 49.75], [0.0, -1.0])
+    """
+    outline = slider.outline
+    # It refuses what cannot be touched.
+    side_coordinate(outline, contact_curve(outline, radius).pieces, push.side, push.fraction)
+    if isinstance(outline, Ellipse):
+        angle = 2.0 * math.pi * push.fraction
+        place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])
+        inward = -np.array([math.cos(angle) / outline.semi_x, math.sin(angle) / outline.semi_y])
+    else:
+        first, second = outline.array[push.side], outline.array[(push.side + 1) % outline.sides]
+        place = first + push.fraction * (second - first)
+        inward = np.array([first[1] - second[1], second[0] - first[0]])
+    x, y = inward / math.hypot(*inward)
+    c, s = math.cos(push.angle), math.sin(push.angle)
+    return place - radius * np.array([x, y]), np.array([c * x - s * y, s * x + c * y])
 
 
 def first_touches(

@@ -83,7 +83,7 @@ def load_material(name: str | Path) -> Material:
     shift_x_mm, shift_y_mm (`FrameShift`);
     [posterior] with `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with
     `log_sigma` and `correlation` (`CycleNoise`). Tables of object, push, reset, noise and strategy
-    are passed over: `CollectionLoop.from_file` reads those. Raises InvalidInput for an unknown
+    are passed over: `loop_from_file` reads those. Raises InvalidInput for an unknown
     name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a

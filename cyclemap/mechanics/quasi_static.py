@@ -31,7 +31,7 @@ from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in
 # tests/mechanics.
-_STEP_SHARE = 0.05
+STEP_SHARE = 0.05
 # Footprints smaller than this share of the outline's extent carry no object.
 _LEAST_FOOTPRINT = 1e-3
 # The reset's target, in every loop's frame.
@@ -127,7 +127,7 @@ class QuasiStaticModel:
                 y / unit,
             ),
             self.radius,
-            _STEP_SHARE * self.accuracy,
+            STEP_SHARE * self.accuracy,
             piece_table(self.curve, (hitch_x / unit, hitch_y / unit)),
             rod_friction=self.pusher.friction,
         )

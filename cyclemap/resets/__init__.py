@@ -21,11 +21,6 @@ Watching
 BiasMonitor, watch, BiasReport, Alarm, Rest, Advice : whether orientations lock in, where, and what would help
 Coverage, CoverageState, next_action, NextAction : what was recorded, and what to record next
 audit, Audit : the same of a data set that exists
-
-Files
------
-read_protocol, write_protocol : settings and strategy as TOML
-read_schedule, write_schedule : what the robot does, one row a cycle
 """
 
 from typing import TYPE_CHECKING
@@ -34,20 +29,17 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
+    from cyclemap.protocol.strategy import CycleAction, ResetStrategy, gripper_turns, legs
     from cyclemap.resets.design.action_cycles import map_turns, sample_turns, strategy_maps
     from cyclemap.resets.design.material_range import MaterialRange, material_range, on_material
     from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
     from cyclemap.resets.design.reset_design import ResetDesign, ResetRow, design_reset
     from cyclemap.resets.design.reset_ranking import Limit, ResetDemands
-    from cyclemap.resets.design.strategy import (
-        CycleAction,
-        ResetStrategy,
+    from cyclemap.resets.design.strategy_run import (
         StrategyRun,
-        gripper_turns,
         histogram_distances,
         histogram_shares,
         independent_distance,
-        legs,
         run_strategy,
         sampled_orientations,
         steered_orientations,
@@ -56,8 +48,6 @@ if TYPE_CHECKING:
     from cyclemap.resets.monitor.bias_evidence import Rest
     from cyclemap.resets.monitor.bias_monitor import Advice, Alarm, BiasMonitor, BiasReport, watch
     from cyclemap.resets.monitor.coverage import Coverage, CoverageState, NextAction, next_action
-    from cyclemap.resets.protocol.protocol_file import read_protocol, write_protocol
-    from cyclemap.resets.protocol.schedule_file import read_schedule, write_schedule
 else:
     import_on_first_use(__name__)
 
@@ -67,4 +57,3 @@ __all__ += ["independent_distance", "legs", "map_turns", "material_range", "on_m
 __all__ += ["run_strategy", "sample_turns", "sampled_orientations", "steered_orientations", "strategy_maps"]
 __all__ += ["Advice", "Alarm", "Audit", "BiasMonitor", "BiasReport", "Coverage", "CoverageState", "NextAction", "Rest"]
 __all__ += ["audit", "next_action", "watch"]
-__all__ += ["read_protocol", "read_schedule", "write_protocol", "write_schedule"]

@@ -16,6 +16,10 @@ Reading
 load_sweep, Sweep : what was found so far
 to_dataset, write_netcdf, write_csv : as an xarray Dataset, NetCDF, CSV
 sweep_curves, SweptLines, SweptPlane, SweptScatter : what can be drawn of one key or two
+
+Margins
+-------
+direction_margins, DirectionMargin, DirectionChange : how far each setting is from losing or gaining a stable direction
 """
 
 from typing import TYPE_CHECKING
@@ -24,6 +28,7 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
+    from cyclemap.sweeps.direction_margins import DirectionChange, DirectionMargin, direction_margins
     from cyclemap.sweeps.point_sets import Grid, Sample, SweepAxis, SweepRange
     from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers, Quantity, SweptPoint
     from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
@@ -34,7 +39,8 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = ["Grid", "Sample", "SweepAxis", "SweepRange"]
+__all__ = ["DirectionChange", "DirectionMargin", "direction_margins"]
+__all__ += ["Grid", "Sample", "SweepAxis", "SweepRange"]
 __all__ += ["PointOutcome", "PortraitNumbers", "Quantity", "SweptPoint"]
 __all__ += ["run_sweep", "sweep_status"]
 __all__ += ["SweptLines", "SweptPlane", "SweptScatter", "sweep_curves"]

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.checks import whole_number
-from cyclemap.collection.setting_table import POINTS, SETTINGS, WORD, Setting
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Slider, load_material
 from cyclemap.plain_text import json_value, plain_number, plain_whole
+from cyclemap.protocol.setting_table import POINTS, SETTINGS, WORD, Setting
 
 MATERIAL_KEY, FOOTPRINT_KEY = "material", "footprint"
 SWEPT = {**SETTINGS, MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD)}

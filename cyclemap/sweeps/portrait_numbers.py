@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
-from cyclemap.collection.setting_table import without_noise
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.maps import (
     CircleMap,
@@ -32,6 +31,8 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.mechanics import Material
+from cyclemap.protocol.setting_table import without_noise
+from cyclemap.protocol.settings import loop_from_settings
 
 PACKAGE = Path(__file__).parents[1]
 # The rooms below the sweeps, and the one file here that calls them.
@@ -210,7 +211,7 @@ class PortraitNumbers:
         """Find the numbers; what the loop or a group refuses is told in the outcome."""
         try:
             settings, said = without_noise(point.settings)
-            loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
+            loop = loop_from_settings(settings, CollectionLoop.mit(material=point.material))
             noise = WrappedNormal(DEFAULT_SIGMA if said is None else said)
             work = self._coarse(loop, noise) or _Work(_map_of(loop, self.tolerance), noise, self.rotation_tolerance)
         except CycleMapError as error:

@@ -10,9 +10,10 @@ from typing import Any
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.setting_table import without_noise
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Material, load_material
+from cyclemap.protocol.setting_table import without_noise
+from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.sweeps.point_sets import (
     FOOTPRINT_KEY,
     MATERIAL_KEY,
@@ -71,7 +72,7 @@ class SweepPlan:
         faults = []
         for surface, settings in ((material, self.settings), *((point.material, point.settings) for point in points)):
             try:
-                CollectionLoop.from_settings(without_noise(settings)[0], CollectionLoop.mit(material=surface))
+                loop_from_settings(without_noise(settings)[0], CollectionLoop.mit(material=surface))
             except InvalidInput as fault:
                 faults.append(fault)
         if len(faults) > len(points):

@@ -26,7 +26,7 @@ from cyclemap.evidence.tables.measured_cycle_map import (
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views import style
 from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram, draw_staircase
-from cyclemap.views.sentences import angle, listed, number
+from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
@@ -217,7 +217,7 @@ def set_sentences(fit: SetFit) -> list[str]:
         )
     if fit.cycle_map is None:
         return [*said, f"No cycle map: {fit.map_problem}."]
-    return said + map_sentences(fit.cycle_map)
+    return [*said, *map_sentences(fit.cycle_map), *filter(None, [multiplier_sentence(fit.rest)])]
 
 
 def count_sentence(fit: SetFit) -> str:

@@ -13,10 +13,11 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import CycleScene
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import CheckedCollection, first_contact
-from cyclemap.collection.portrait_curves import CycleScene, cycle_scene
 from cyclemap.errors import CycleMapError
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.own_object import CheckedCollection
 from cyclemap.views import style
 from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
@@ -91,7 +92,7 @@ def number_sides(axes: Axes, outline: Array, out: float, **look: Any) -> None:
 def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     """One cycle from θ0 = 0 in the world, whose origin is the target."""
     try:
-        scene = cycle_scene(loop, loop.cycle(0.0))
+        scene = loop.cycle(0.0).scene()
     except CycleMapError:
         axes.axis("off")
         axes.text(0.5, 0.5, "no cycle can be run", ha="center", transform=axes.transAxes)

@@ -15,9 +15,16 @@ from matplotlib.ticker import PercentFormatter
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.mechanics import SidePush
-from cyclemap.resets import CycleAction, OrientationLaw, ResetDesign, ResetRow, ResetStrategy
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.resets import (
+    CycleAction,
+    MaterialRange,
+    OrientationLaw,
+    ResetDesign,
+    ResetRow,
+    ResetStrategy,
+)
 from cyclemap.views import style
 from cyclemap.views.object_page import number_sides
 from cyclemap.views.portrait_page import PER_DEGREE
@@ -51,17 +58,16 @@ def reset_page(design: ResetDesign) -> Figure:
     for left, name in zip(lefts, COLUMNS, strict=True):
         figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
     for number, row in enumerate(design.rows):
-        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
+        cells = [fill(cell, (96 if number else 82) if place == 1 else 19) for place, cell in enumerate(row_cells(row))]
         weight = "normal" if number else "bold"
         for left, cell in zip(lefts, cells, strict=True):
             figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
         y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
     foot = (
-        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; histogram: mean "
-        f"distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
-        f"noise {math.degrees(design.sigma):.2g}° a cycle"
+        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; "
+        f"{histogram_words(design)}; noise {math.degrees(design.sigma):.2g}° a cycle"
     )
-    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    figure.text(0.015, 0.015, fill(foot, 180), fontsize=8, color=QUIET, va="bottom")
     title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
     figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
     if not design.met:
@@ -261,23 +267,40 @@ def _round_about(actions: Sequence[CycleAction]) -> str:
 
 def design_sentences(design: ResetDesign) -> tuple[str, str, str]:
     """What to do, what that leaves, what it costs."""
-    row, own, about, pushes = design.chosen, design.rows[-1], design.about, design.demands.pushes
-    of = [f"{len(about.materials)} materials", about.told] if about.others else ["that material alone"]
-    steered = design.orders.get("steered")
-    seeing = "" if steered is None else f"; chosen from what is seen (cyclemap watch --protocol) {steered:.3f}"
+    row, own, demands = design.chosen, design.own, design.demands
     left = (
-        f"What it leaves: {row.nominal.total_variation:.3f} of total variation from uniform in the long run, "
-        f"{row.nominal.after:.3f} after {design.demands.within} pushes from the worst start; at the worst of "
-        f"{', '.join(filter(None, of))} {row.worst:.3f} and {row.worst_after:.3f}; a histogram of {pushes} pushes in "
-        f"36 bins lies {row.histogram[0]:.3f} ± {row.histogram[1]:.3f} from uniform, {row.worst_histogram[0]:.3f} at "
-        f"worst, that of independent uniform ones {design.independent:.3f}, of the loop as it is "
-        f"{own.histogram[0]:.3f}{seeing}."
+        f"What it leaves {worst_words(design.about)}: {row.worst:.3f} of total variation from uniform in the long run, "
+        f"{row.worst_after:.3f} after {demands.within} pushes from the worst start, and a histogram of "
+        f"{demands.pushes} pushes {row.worst_histogram[0]:.3f} from uniform."
     )
     cost = (
-        f"What it costs: {1e3 * row.drag:.0f} mm of drag ({row.drag / own.drag:.2f} of now), {row.seconds:.1f} s a "
-        f"cycle, {1e3 * row.room:.0f} mm of room about the target, shortest contact {1e3 * row.contact:.0f} mm."
+        f"What it costs: {1e3 * row.drag:.0f} mm of drag ({row.drag / own.drag:.2f} of now), {row.seconds:.1f} s "
+        f"a cycle, {1e3 * row.room:.0f} mm of room about the target, shortest contact {1e3 * row.contact:.0f} mm."
     )
     return f"What to do: {recipe(row.strategy)}.", left, cost
+
+
+def worst_words(about: MaterialRange) -> str:
+    """Of what the worst is told.
+
+    >>> from cyclemap.mechanics import load_material
+    >>> from cyclemap.resets import material_range
+    >>> worst_words(material_range(load_material("pu")))
+    'at most in 95 % of its posterior, with 95 % confidence (71 of the 200 samples of its posterior)'
+    """
+    told = f" ({about.told})" if about.told else ""
+    if about.sampled:
+        share, confidence = 100.0 * about.share, 100.0 * about.confidence
+        return f"at most in {share:.0f} % of its posterior, with {confidence:.0f} % confidence{told}"
+    return f"at the worst of {len(about.materials)} materials{told}" if about.others else "on that material alone"
+
+
+def histogram_words(design: ResetDesign) -> str:
+    """What histograms of as many pushes are held against, in 36 bins."""
+    told = f"histogram: mean distance of {design.demands.pushes} pushes in 36 bins, nominal and at worst"
+    steered = design.orders.get("steered")
+    seeing = "" if steered is None else f", the chosen one steered by what is seen (cyclemap watch) {steered:.3f}"
+    return f"{told}; independent uniform ones {design.independent:.3f}{seeing}"
 
 
 def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
@@ -294,7 +317,8 @@ def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
 
 def row_cells(row: ResetRow) -> tuple[str, ...]:
     """A row as words, in the order of `COLUMNS`; a row that misses a demand says so."""
-    numbers = (row.nominal.total_variation, row.worst, row.worst_after, row.histogram[0])
+    numbers = (row.nominal.total_variation, row.worst, row.worst_after)
+    histogram = f"{row.histogram[0]:.3f}, {row.worst_histogram[0]:.3f}"
     costs = f"{1e3 * row.drag:.0f} mm", f"{row.seconds:.1f} s", f"{1e3 * row.contact:.0f} mm"
     told = ", ".join(row.roles) + (" (misses)" if row.misses else "")
-    return told, recipe(row.strategy), *(f"{number:.3f}" for number in numbers), *costs
+    return told, recipe(row.strategy), *(f"{number:.3f}" for number in numbers), histogram, *costs

@@ -1,5 +1,6 @@
-"""Rotation numbers over one parameter and over two: the devil's staircase, the plane, and its Arnold tongues."""
+"""Rotation numbers over one parameter and over two: the devil's staircase, the plane, its tongues and bifurcations."""
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -11,8 +12,18 @@ from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.maps import RotationNumbers, RotationPlane, TongueBoundaries
-from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, legend_above, name_beside_path, name_tag, small
+from cyclemap.maps import BifurcationCurve, RotationNumbers, RotationPlane, TongueBoundaries
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    PREDICTED,
+    PREDICTED_FILL,
+    UNSTABLE,
+    legend_above,
+    name_beside_path,
+    name_tag,
+    small,
+)
 
 ROTATION = "rotation number (turns a cycle)"
 # Tongues of longer periods are too many and too narrow to outline in a plane.
@@ -21,6 +32,19 @@ LONGEST_PERIOD = 6
 NAMED_WIDTH = 0.012
 # Names nearer than this share of the panel's width stand one above the other.
 CLOSE_NAMES = 0.045
+# Curves and points of bifurcations.
+CURVES: dict[str, dict[str, Any]] = {
+    "saddle-node": {"color": PREDICTED, "linestyle": "-", "linewidth": 2.0},
+    "period-doubling": {"color": MEASURED, "linestyle": "-", "linewidth": 2.0},
+    "border-collision": {"color": INK, "linestyle": ":", "linewidth": 2.0},
+}
+POINTS: dict[str, dict[str, Any]] = {
+    "cusp": {"marker": "v", "markerfacecolor": UNSTABLE},
+    "generalised flip": {"marker": "D", "markerfacecolor": MEASURED},
+    "tip": {"marker": "o", "markerfacecolor": UNSTABLE},
+    "border saddle-node": {"marker": "^", "markerfacecolor": INK},
+    "border flip": {"marker": "s", "markerfacecolor": INK},
+}
 
 
 def draw_rotation_plane(
@@ -139,3 +163,37 @@ def draw_tongues(
         name, offset = ratio_name(boundaries.ratios[index]), (0, 15 if raised else 3)
         name_tag(axes, before, high, name, va="bottom", xytext=offset, textcoords="offset points")
     legend_above(axes)
+
+
+def draw_bifurcation_curves(
+    axes: Axes,
+    curves: Sequence[BifurcationCurve],
+    boundaries: TongueBoundaries | None = None,
+    first_label: str = "first parameter",
+    second_label: str = "second parameter",
+) -> None:
+    """A plane of two parameters: curves by their kind, points of codimension two by their shapes, tongues filled.
+
+    Period doublings are dashed where they are subcritical: the orbit that they bear is unstable.
+    """
+    if boundaries is not None:
+        draw_tongues(axes, boundaries, first_label, second_label)
+    for curve in curves:
+        look, born = CURVES[curve.kind], np.nan_to_num(curve.coefficient[1:])
+        bad = (born < 0.0) & (curve.kind == "period-doubling")
+        changes = (np.flatnonzero(np.diff(bad)) + 1).tolist()
+        for start, end in pairwise([0, *changes, bad.size]):
+            shown = {**look, "linestyle": "--"} if bad[start] else look
+            part, label = slice(start, end + 1), f"subcritical {curve.kind}" if bad[start] else curve.kind
+            axes.plot(curve.first[part], curve.second[part], label=label, zorder=4, **shown)
+        for point in curve.special:
+            mark = {"linestyle": "none", "markersize": 8, "markeredgecolor": INK, **POINTS[point.kind]}
+            axes.plot([float(point.first)], [float(point.second)], label=point.kind, zorder=5, **mark)
+    shown_to = np.array([axes.get_xlim(), axes.get_ylim()])
+    for index, values in enumerate(zip(*((curve.first, curve.second) for curve in curves), strict=True)):
+        every = np.concatenate([shown_to[index], *values]) if boundaries is not None else np.concatenate(values)
+        shown_to[index] = every.min(), every.max()
+    axes.set(xlabel=first_label, ylabel=second_label, xlim=shown_to[0], ylim=shown_to[1])
+    axes.margins(0.02)
+    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    legend_above(axes, columns=4, handles=list(named.values()))

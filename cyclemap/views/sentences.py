@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from cyclemap.collection.lock_forecast import ORIENTATIONS, LockForecast
-from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
-from cyclemap.maps import StaircaseSummary
+from cyclemap.maps import RestMultiplier, StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.setting_table import SETTINGS
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence import MapAgreement
+    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 
 # A stay longer than this is beyond any experiment: only its order of magnitude is told.
@@ -26,6 +29,9 @@ MOST_PEAKS = 3
 _MISFIT_LETTERS = 480
 # Decimals of a degree at most: no orientation is known better.
 _FINEST = 3
+_COUNTS = {2: "two", 3: "three", 4: "four"}
+# A share is told in whole per cent where it is known so well.
+_TOLD_SHARE = 0.005
 
 
 def headline(portrait: Portrait) -> str:
@@ -120,6 +126,49 @@ def interval_decimals(width: float) -> int:
     return next((decimals for decimals in range(_FINEST) if width * 10.0**decimals >= 4.0), _FINEST)
 
 
+def multiplier_sentence(found: RestMultiplier | None) -> str:
+    """What the last cycles keep of an error, and whether the direction may be on its way out; empty without a rest."""
+    if found is None:
+        return ""
+    told = f"{found.value:.2f} of an error ({found.lower:.2f} to {found.upper:.2f})".replace("-", "−")
+    lost = " At 1 the direction is lost: watch whether that share grows." if found.upper >= 1.0 else ""
+    return f"Over the last {found.cycles} cycles, at rest near {angle(found.theta, 0)}, each keeps {told}.{lost}"
+
+
+MARGIN_COLUMNS = ("setting", "here", "change below", "change above", "of the usual range")
+
+
+def margin_rows(margins: Sequence[DirectionMargin]) -> list[tuple[str, ...]]:
+    """For every setting with a change: where it is, the changes on both sides, and the nearer one's distance."""
+    rows = []
+    for one in margins:
+        if one.nearest is None:
+            continue
+        unit = float(SETTINGS[one.key].unit.in_si)
+        sides = [
+            "-" if change is None else f"{change.value / unit:.4g} ({one.directions} → {change.directions})"
+            for change in (one.below, one.above)
+        ]
+        rows.append((one.key, f"{one.value / unit:.4g}", *sides, f"{one.share:.2%}"))
+    return rows
+
+
+def margin_sentence(margins: Sequence[DirectionMargin]) -> str:
+    """The nearest change of the stable directions, and the settings that have none."""
+    still = [one.key for one in margins if one.nearest is None]
+    rest = f" Within their usual ranges {listed(still)} change{'s' * (len(still) == 1)} no direction." if still else ""
+    if len(still) == len(margins):
+        return "No setting alone changes the number of stable directions within its usual range."
+    one, unit = margins[0], float(SETTINGS[margins[0].key].unit.in_si)
+    assert one.nearest is not None
+    value, error = one.nearest.value / unit, one.nearest.value.error_bound / unit
+    where = "" if math.isnan(one.nearest.theta) else f" at {angle(one.nearest.theta)}"
+    return (
+        f"The number of stable directions, {one.directions}, becomes {one.nearest.directions} soonest by {one.key}: at "
+        f"{value:.6g} ± {error:.1g} in place of {one.value / unit:.6g}, a {one.nearest.kind}{where}.{rest}"
+    )
+
+
 def worn_rests(worn: StaircaseSummary) -> str:
     """Where θ0 rests on the surface of the last cycle, and how long."""
     if not worn.zones:
@@ -169,10 +218,15 @@ def noise_sentence(portrait: Portrait) -> str:
         return f"{noise} the loop {stays}, and moves on once in {forgotten}."
     peaks = portrait.highest_peaks[:MOST_PEAKS]
     where = f"peak at {listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
-    return (
-        f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
-        f"the start is forgotten in {forgotten}."
-    )
+    sentence = f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
+    sentence += f"the start is forgotten in {forgotten}."
+    held = [one for one in portrait.held if one.share.error_bound < _TOLD_SHARE]
+    if len(held) < 2:
+        return sentence
+    shares = listed([f"{one.share:.0%} near {angle(one.peak, 0)}" for one in held])
+    change = 1.0 / sum(one.share * one.leaving for one in held)
+    many = _COUNTS.get(len(held), str(len(held)))
+    return f"{sentence} Noise holds {many} directions: {shares}, a change every {cycles(change)}."
 
 
 def staircase_sentence(portrait: Portrait) -> str:

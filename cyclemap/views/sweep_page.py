@@ -19,10 +19,9 @@ from matplotlib.patches import Patch
 from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import apply_settings
 from cyclemap.maps import RotationPlane
 from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
+from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, SweepAxis
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane, SweptScatter, axis_places
@@ -90,7 +89,7 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         draw(axes)
         if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
             # The object that the ring is set in, and MIT's ring where it is MIT's.
-            slider = apply_settings(CollectionLoop.mit("isotropic"), sweep.description["plan"]["settings"]).slider
+            slider = loop_from_settings(sweep.description["plan"]["settings"]).slider
             outline = MM * slider.outline.points(120)
             axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
             if slider.name in MIT_SHAPE_NAMES:

@@ -38,7 +38,10 @@ class Gallery(SphinxDirective):
 
     def shown(self, entry: dict[str, Any]) -> list[nodes.Node]:
         """Return one entry as a section."""
-        section = nodes.section("", nodes.title(text=entry["title"]), ids=[nodes.make_id(f"figure-{entry['name']}")])
+        anchor = nodes.make_id(f"figure-{entry['name']}")
+        section = nodes.section("", nodes.title(text=entry["title"]), ids=[anchor])
+        # Other pages lead here by {ref}`figure-NAME`.
+        self.env.domains.standard_domain.note_hyperlink_target(anchor, self.env.docname, anchor, entry["title"])
         self.state.document.note_explicit_target(section)
         section += about(entry)
         section += exhibit(Path(self.env.srcdir) / FOLDER, entry)

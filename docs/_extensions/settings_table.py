@@ -1,7 +1,4 @@
-"""The table of all that `--set` and files may say, made from the settings' own table: `{settings}` shows it.
-
-`python docs/_extensions/settings_table.py` prints it, for the README.
-"""
+"""The table of all that `--set` and files may say, made from the settings' own table: `{settings}` shows it."""
 
 import math
 
@@ -11,7 +8,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from cyclemap import CollectionLoop
-from cyclemap.collection.setting_table import SETTINGS
+from cyclemap.protocol.setting_table import SETTINGS
 
 
 def markdown() -> str:
@@ -39,7 +36,3 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Register the directive."""
     app.add_directive("settings", SettingsTable)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
-
-
-if __name__ == "__main__":
-    print(markdown(), end="")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Ellipse, Polygon
 
 import cyclemap as cm
-from cyclemap.collection.portrait_curves import StrokeScene, cycle_scene, placed
+from cyclemap.collection.cycle_scene import StrokeScene, placed
 from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, new_figure
 
 THETA0 = math.radians(30)
@@ -20,7 +20,7 @@ def draw() -> Figure:
     """Return the drawing: one cycle of the MIT protocol on plywood from θ0 = 30°."""
     loop = cm.CollectionLoop.mit(material="plywood")
     cycle = loop.cycle(THETA0)
-    scene = cycle_scene(loop, cycle)
+    scene = cycle.scene()
     figure = new_figure(10.4, 5.3)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.01, right=0.99, bottom=0.02, top=0.92, wspace=0.02)

@@ -63,7 +63,7 @@ MATERIALS, BATCH = 2_000, np.linspace(-math.pi, math.pi, 8, endpoint=False)
 # Of an identification: how many pushes, from how far off (m), and the step of differences.
 PUSHES, LENGTH, DIFFERENCE = 40, 0.115, 1e-5
 SURFACE = SurfaceParameters(
-    ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, rim_share=0.3, corner_share=0.2, inner_share=0.2
+    ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, floor_dome=1.0, floor_bow_x=-1.0, plate_warp_y=0.5
 )
 # What a portrait is measured by: the libraries that it needs, and six labelled panels of its size.
 PANELS = """

@@ -17,7 +17,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.mechanics import Material, material_names
+from cyclemap.mechanics import Material, Polygon, material_names
+from cyclemap.protocol import loop_from_settings
+from cyclemap.protocol.own_object import first_settings, within_reach
 from cyclemap.resets import (
     ResetDesign,
     design_reset,
@@ -30,10 +32,9 @@ from cyclemap.resets import (
 )
 from cyclemap.views.reset_page import recipe
 
-OBJECTS = {
-    "plywood, box of 120 x 60 mm": {"vertices_mm": [[60, 30], [-60, 30], [-60, -30], [60, -30]]},
-    "plywood, tri3": {"shape": "tri3"},
-}
+# The box as `cyclemap init --rectangle-mm 120,60` makes it: its own push and ring.
+BOX = Polygon(((0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)))
+OBJECTS = {"plywood, box of 120 x 60 mm": first_settings(BOX, "box"), "plywood, tri3": {"shape": "tri3"}}
 RUNS, PUSHES, FORGOTTEN = 200, 500, 50
 
 
@@ -67,7 +68,8 @@ def main(names: list[str]) -> None:
     """Design the resets and set them beside the mechanics."""
     for name in names or [*material_names(), *OBJECTS]:
         loop = CollectionLoop.mit(name.partition(",")[0])
-        loop = CollectionLoop.from_settings(OBJECTS.get(name, {}), loop)
+        loop = loop_from_settings(OBJECTS.get(name, {}), loop)
+        loop = within_reach(loop) if "box" in name else loop
         begun = time.process_time()
         design = design_reset(loop)
         row = design.chosen

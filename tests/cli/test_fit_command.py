@@ -12,7 +12,17 @@ from cyclemap.cli.main import run
 TURN = 2 * math.pi
 HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1\n"
 SET_KEYS = {"name", "source", "surface", "object", "acceleration_mm_s2", "speed_mm_s", "side", "fraction"}
-SET_KEYS |= {"angle_deg", "contacts", "pushes", "covered_deg", "statistics", "laws", "dtheta_histogram", "cycle_map"}
+SET_KEYS |= {
+    "angle_deg",
+    "contacts",
+    "pushes",
+    "covered_deg",
+    "statistics",
+    "laws",
+    "dtheta_histogram",
+    "cycle_map",
+    "last_cycles",
+}
 
 
 def worn_path(count: int) -> np.ndarray:

@@ -37,7 +37,7 @@ def push_table(count: int, surface: str) -> str:
     for number in range(count):
         start, x = Pose(0.3, 0.1, 2.4 * number), -0.03 + 0.06 * number / (count - 1)
         tip, goal = start.to_world(x, 0.045 + RADIUS + 1e-3), start.to_world(x + 0.005, 0.01)
-        ((x, y, theta),), _ = predicted_push_ends(model, [MeasuredPush(start, start, tip, goal)])
+        ((x, y, theta),), *_ = predicted_push_ends(model, [MeasuredPush(start, start, tip, goal)])
         end = Pose(float(x), float(y), float(theta))
         place = np.array([end.x, end.y]) + 2e-4 * rng.standard_normal(2)
         poses = (start.x, start.y, start.theta, *place.tolist(), end.theta + 5e-3 * rng.standard_normal())

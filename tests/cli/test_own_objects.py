@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.collection import CollectionLoop
-from cyclemap.resets import read_protocol
+from cyclemap.protocol import loop_from_file, loop_from_settings, read_protocol
 
 
 def report(capsys, *arguments: str) -> dict:
@@ -58,14 +57,14 @@ def test_a_tee_is_what_its_file_says(tee) -> None:
     """80 by 80 mm in eight sides, its centroid where two rectangles put it; the data's folder tells the same."""
     place, reports = tee
     assert reports["check"]["wrong"] == [] and reports["check"]["doubts"] == []
-    slider = CollectionLoop.from_file(place / "tee.toml").slider
+    slider = loop_from_file(place / "tee.toml").slider
     low, high = np.min(slider.outline.vertices, axis=0), np.max(slider.outline.vertices, axis=0)
     assert len(slider.outline.vertices) == 8 and high - low == pytest.approx([0.08, 0.08], abs=1e-4)
     # From the stem's end: bar of 80 x 20 mm at 70 mm, stem of 20 x 60 mm at 30 mm.
     along = (1600.0 * 70.0 + 1200.0 * 30.0) / 2800.0
     ends = sorted(np.abs(np.concatenate([low, high])))
     assert 1e3 * ends[0] == pytest.approx(80.0 - along, abs=0.1) and 1e3 * ends[-1] == pytest.approx(along, abs=0.1)
-    assert CollectionLoop.from_file(place / "data" / "collection.toml").slider == slider
+    assert loop_from_file(place / "data" / "collection.toml").slider == slider
     assert (place / "tee.png").stat().st_size > 10_000
 
 
@@ -93,7 +92,7 @@ def test_a_tees_data_agree_with_what_made_them_and_with_what_is_identified_of_th
 def test_a_tees_lock_in_is_watched_and_a_reset_is_found(tee) -> None:
     place, reports = tee
     assert reports["watch"]["pushes"] == 40 and reports["watch"]["alarm"] is None
-    rows, own = reports["reset"]["rows"], CollectionLoop.from_file(place / "tee.toml").push
+    rows, own = reports["reset"]["rows"], loop_from_file(place / "tee.toml").push
     assert {(action["side"], action["fraction"]) for action in rows[0]["actions"]} == {(own.side, own.fraction)}
     assert rows[0]["tv"] < rows[-1]["tv"]
     assert len(read_protocol(place / "out" / "reset_tee_on_felt.toml")[1].actions) == len(rows[0]["actions"])
@@ -140,7 +139,7 @@ def test_init_asks_back_and_writes_over_nothing(here, capsys, monkeypatch) -> No
 
     monkeypatch.setattr(sys, "stdin", Terminal("ellipse\n100,60\npuck\nglass\n"))
     assert run(["init", "puck.toml"]) == 0
-    loop = CollectionLoop.from_file("puck.toml")
+    loop = loop_from_file("puck.toml")
     assert (loop.slider.name, loop.material.name) == ("puck", "glass")
     assert (loop.slider.outline.semi_x, loop.slider.outline.semi_y) == pytest.approx((0.05, 0.03))
     assert run(["init", "puck.toml", "--shape", "hex"]) == 2
@@ -203,7 +202,7 @@ def test_what_the_folder_of_a_log_says_of_the_push_holds_for_identify_and_portra
     """Orientations and poses alone tell no rod: collection.toml beside the log does, as a protocol would."""
     (here / "data").mkdir()
     (here / "data" / "collection.toml").write_text("push_mm = 60\nfraction = 0.6\n")
-    loop, rows = CollectionLoop.from_settings({"push_mm": 60, "fraction": 0.6, "mu_a": 0.3, "mu_b": 0.2}), []
+    loop, rows = loop_from_settings({"push_mm": 60, "fraction": 0.6, "mu_a": 0.3, "mu_b": 0.2}), []
     for theta in np.linspace(0.1, 6.0, 12):
         end = loop.model.push(loop.start_pose(theta), loop.push).end
         rows.append(f"{loop.start_pose(theta).x},{loop.start_pose(theta).y},{theta},{end.x},{end.y},{end.theta}\n")

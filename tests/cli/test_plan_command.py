@@ -14,6 +14,7 @@ from cyclemap.cli.main import run
 from cyclemap.evidence import plan_pushes
 from cyclemap.evidence.pushes.planned_table import mark_columns, marks_of
 from cyclemap.mechanics import Pose, SidePush
+from cyclemap.protocol import loop_from_settings
 
 SMALL = partial(plan_pushes, samples=4, candidates=30)
 
@@ -29,7 +30,7 @@ def here(tmp_path, monkeypatch) -> Path:
 
 def fill_in(path: Path, material: str) -> None:
     """Make the planned pushes on a surface, and write down the corners to a tenth of a millimetre."""
-    loop = cm.CollectionLoop.from_settings(cm.read_protocol("box.toml")[0], cm.CollectionLoop.mit(material))
+    loop = loop_from_settings(cm.read_protocol("box.toml")[0], cm.CollectionLoop.mit(material))
     table = pd.read_csv(path)
     corners = [name for state in "012" for name in mark_columns(state)]
     table[corners] = table[corners].astype(float)

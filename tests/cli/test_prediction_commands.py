@@ -31,7 +31,10 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(here, saved_report,
 def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(
     saved_report,
 ) -> None:
-    report = saved_report("out/fingerprint_plywood", "fingerprint", "plywood", "--check")
+    report = saved_report("out/fingerprint_plywood", "fingerprint", "plywood", "--check", "--margin")
+    ring = next(margin for margin in report["margins"] if margin["key"] == "hitch_x_mm")
+    assert (ring["above"]["kind"], ring["above"]["directions"]) == ("saddle-node", 0)
+    assert abs(ring["above"]["value"] + 6.271374) < 1e-5 and ring["above"]["error"] < 1e-6
     assert [report[key] for key in FIVE] == pytest.approx([8.0022, 117.279, 129.478, 101.365, -111.061], abs=1e-3)
     assert report["push"]["turn_deg"] + report["drag"]["turn_deg"] == pytest.approx(report["turn_deg"])
     prediction, full = report["prediction"], report["full_map"]["fixed_points"]

@@ -10,25 +10,21 @@ import pytest
 from refusals import refused as refuse
 
 from cyclemap.cli.main import run
-from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
 from cyclemap.mechanics import SidePush
+from cyclemap.protocol import read_protocol, read_schedule, write_protocol, write_schedule
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.resets import (
     CycleAction,
     ResetStrategy,
     legs,
     map_turns,
     orientation_law,
-    read_protocol,
-    read_schedule,
     run_strategy,
     strategy_maps,
-    write_protocol,
-    write_schedule,
 )
 
 PUSH = SidePush(distance=0.01)

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from cyclemap.cli import main
-from cyclemap.resets import read_protocol, read_schedule
+from cyclemap.protocol import read_protocol, read_schedule
 
 pytestmark = pytest.mark.slow
 
@@ -68,6 +68,11 @@ def test_people_are_told_three_lines_and_the_rows(tmp_path, capsys, monkeypatch)
     assert main.run(asked) == 0
     shown = capsys.readouterr()
     assert all(" % done, " in line for line in shown.err.splitlines())
-    for part in ("What to do:", "What it leaves:", "What it costs:", "Nothing that was considered meets all demands"):
+    for part in (
+        "What to do:",
+        "What it leaves at the worst of",
+        "What it costs:",
+        "Nothing that was considered meets all demands",
+    ):
         assert shown.out.count(part) == 1
     assert "The least mean drag considered is" in shown.out and "as it is" in shown.out

@@ -8,6 +8,7 @@ import pytest
 from cyclemap import CollectionLoop
 from cyclemap.cli.main import run
 from cyclemap.cli.output import result_stem
+from cyclemap.protocol import loop_from_settings
 
 TABLE = 'name = "table"\n[friction]\nmu_a = 0.26\nmu_b = 0.2\n'
 
@@ -36,6 +37,6 @@ def test_a_sweep_of_an_object_is_stored_by_its_name(here, capsys) -> None:
 @pytest.mark.parametrize("name", ["rect1", "own outline"])
 def test_a_name_borrowed_from_the_square_is_told(name) -> None:
     """An object of another outline that is called rect1, and one without a name."""
-    loop = CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": name})
+    loop = loop_from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": name})
     assert result_stem(Path("out"), "portrait", loop).name == f"portrait_{name.replace(' ', '_')}_on_plywood"
     assert result_stem(Path("out"), "portrait", CollectionLoop.mit()).name == "portrait_plywood"

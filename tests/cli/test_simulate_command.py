@@ -67,5 +67,5 @@ def test_a_material_that_knows_its_noise_scatters_by_it_unless_told_otherwise(tm
     assert run([*asked, str(tmp_path / "told"), "--noise-deg", "2"]) == 0
     own, told = (read_toml(tmp_path / name / "collection.toml") for name in ("own", "told"))
     assert "LocalNoise" in own["simulation"]["cycle_noise"] and "cycle_noise" not in told["simulation"]
-    again = cm.CollectionLoop.from_file(tmp_path / "own" / "collection.toml")
+    again = cm.protocol.loop_from_file(tmp_path / "own" / "collection.toml")
     assert again.material.noise == cm.load_material("plywood-measured").noise

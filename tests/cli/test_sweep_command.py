@@ -12,7 +12,8 @@ from cyclemap.cli import run_sweep as module
 from cyclemap.cli.commands import cli
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import UnsupportedContact
-from cyclemap.resets import ResetStrategy, legs, write_protocol
+from cyclemap.protocol import write_protocol
+from cyclemap.resets import ResetStrategy, legs
 from cyclemap.sweeps import PointOutcome, PortraitNumbers
 from cyclemap.sweeps.portrait_numbers import GROUPS
 

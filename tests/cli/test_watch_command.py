@@ -32,10 +32,12 @@ def data_file(folder: Path, angles=LOCKED) -> Path:
 def test_one_look_tells_alarm_direction_coverage_and_advice(here, capsys, saved_report) -> None:
     asked = ["watch", str(data_file(here)), "--alarm-rate", "0.1"]
     report = saved_report("out/watch_my_run", *asked)
-    parts = "file pushes alarm_rate alarm evidence rest useful_pushes recent_worth coverage advice"
+    parts = "file pushes alarm_rate alarm evidence rest useful_pushes recent_worth coverage advice multiplier"
     assert set(report) == set(parts.split())
     assert (report["file"], report["pushes"], report["alarm_rate"]) == ("my run.csv", 35, 0.1)
     assert report["alarm"]["directions_deg"] == [pytest.approx(60.0, abs=3.0)]
+    told = report["multiplier"]
+    assert told is None or told["lower"] <= told["value"] <= told["upper"]
     assert report["rest"]["towards_deg"] == [pytest.approx(60.3, abs=0.5)]
     assert report["evidence"]["rest_log10"] >= report["evidence"]["threshold_log10"] == pytest.approx(math.log10(20.0))
     assert report["advice"] == {"change_reset": True, "direction_deg": pytest.approx(235.0, abs=10.0)}

@@ -93,6 +93,25 @@ def test_noise_that_the_tolerance_cannot_beat_is_confessed():
     assert worst_error(circle, wobbling, theta) <= 3.0 * circle.max_error
 
 
+def test_waves_in_step_with_the_samples_are_seen():
+    """At 24 places and all that halving them gives the ripple is 0 and level: samples there know nothing of it."""
+    waves, height = 24 * 16, 0.3 / (24 * 16)
+
+    def rippled(theta):
+        value = theta + 0.3 * math.sin(theta) + height * (1.0 - math.cos(waves * theta))
+        return value, 1.0 + 0.3 * math.cos(theta) + height * waves * math.sin(waves * theta)
+
+    circle = sampled(rippled, 2e-5)
+    theta = np.random.default_rng(6).uniform(0.0, FULL_TURN, 400)
+    assert worst_error(circle, rippled, theta) <= circle.max_error <= 2e-5
+
+
+def test_the_stated_error_holds_what_samples_are_off_by():
+    """A sample that is off by a constant is interpolated as well as one that is not; the constant adds to the error."""
+    plain, off = sampled(smooth, 1e-5), sampled(smooth, 1e-5, sample_error=3e-6)
+    assert off.max_error == pytest.approx(plain.max_error + 3e-6, rel=1e-12)
+
+
 def test_progress_rises_to_one_and_a_tolerance_that_is_no_positive_number_is_refused():
     seen = []
     sampled(smooth, 1e-5, progress=seen.append)

@@ -12,6 +12,7 @@ from refusals import refused
 from cyclemap.collection import CollectionLoop, DynamicLoop, compare_dynamics, isotropic_twin
 from cyclemap.collection.dynamic_loop import on_points
 from cyclemap.mechanics import DragBack, PatchFootprint, Slider, corner_footprint
+from cyclemap.protocol import loop_from_settings
 
 # Four orientations: on plywood the push ends by distance at 60 and 150 degrees, the rod leaves at 0 and 270.
 THETA = np.radians([0.0, 60.0, 150.0, 270.0])
@@ -69,8 +70,8 @@ LEANING = Slider(
     hitch=CollectionLoop.mit().slider.hitch,
 )
 PRESSED = {
-    "rim share": CollectionLoop.from_settings({"rim_share": 0.5}),
-    "parts": CollectionLoop.from_settings({"inner_share": 0.3, "corner_share": 0.15}),
+    "rim share": loop_from_settings({"rim_share": 0.5}),
+    "parts": loop_from_settings({"inner_share": 0.3, "corner_share": 0.15}),
     "pu": CollectionLoop.mit("pu"),
     "centre of mass": CollectionLoop.mit(slider=LEANING),
 }

@@ -28,6 +28,7 @@ from cyclemap.collection.fingerprint_prediction import (
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.mechanics import EllipseFriction
+from cyclemap.protocol import loop_from_settings
 
 ANGLES = 2.0 * np.pi * np.arange(16) / 16
 PROTOCOLS = {
@@ -73,7 +74,7 @@ def test_an_anisotropy_gives_back_its_ellipse_whatever_its_axes_are_called() -> 
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_differences_of_whole_cycles_over_sixteen_orientations_have_the_fingerprints_harmonics(name) -> None:
     """The second route: the answer to an offset is a pure first harmonic, to an ellipticity a pure second one."""
-    loop = CollectionLoop.from_settings(PROTOCOLS[name])
+    loop = loop_from_settings(PROTOCOLS[name])
     found, step, psi, phi = fingerprint(loop).cycle, 5e-4, 0.4, 1.1
     cases = (
         (1, psi, found.offset_amplitude, found.offset_phase),
@@ -219,7 +220,7 @@ def test_what_is_no_surface_no_protocol_or_no_number_is_refused_by_name(plywood,
         refused(predict, FOUND, surface, told=told)
     refused(TurnResponse, 0.0, [1.0, 2.0, 3.0], np.zeros((4, 4)), told=r"gradient of a turn has shape \(3,\)")
     refused(Anisotropy, -0.1, 0.0, 0.0, 0.0, told="offset must not be negative")
-    fixed = CollectionLoop.from_settings({"way_points_mm": [[0.0, 50.0]]})
+    fixed = loop_from_settings({"way_points_mm": [[0.0, 50.0]]})
     refused(fingerprint, fixed, told="way-points of the reset.*fixed in the world.*way_points_mm")
     coarse, near = replace(plywood, accuracy=1e-5), first_order_lock_in(mit.cycle, flat)
     refused(full_lock_in, coarse, flat.scaled(0.1), near, told="no lock-in between", kind=ConvergenceError)
@@ -272,7 +273,7 @@ def test_a_prediction_is_checked_on_its_own_surface_only(plywood, monkeypatch) -
 
 def test_without_a_friction_on_the_rod_the_second_order_is_not_found() -> None:
     """Differences of a jump: the hessian's asymmetry is far beyond that of the MIT rod, whose second order is found."""
-    loop = CollectionLoop.from_settings({"pusher_mu": 0.0})
+    loop = loop_from_settings({"pusher_mu": 0.0})
     slippery = predict(fingerprint(loop), loop.material.friction)
     assert not slippery.second_order_found and not slippery.trusted
     assert slippery.fingerprint.hessian_error > 0.02 * np.abs(slippery.fingerprint.cycle.hessian).max()

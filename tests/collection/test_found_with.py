@@ -20,6 +20,7 @@ from cyclemap.mechanics import (
     load_material,
     material_toml,
 )
+from cyclemap.protocol import loop_from_settings
 
 LAW = EllipseFriction(0.3, 0.25)
 SQUARE = Slider.mit("rect1").outline
@@ -49,12 +50,12 @@ def test_a_plate_presses_as_its_own_name_says_and_another_evenly():
     tri3 = Slider.mit("tri3")
     for loop in (
         CollectionLoop.mit(material, slider=tri3),
-        CollectionLoop.from_settings({"shape": "tri3"}, CollectionLoop.mit(material)),
-        CollectionLoop.from_settings({"shape": "tri3", "mu_a": 0.4}, CollectionLoop.mit(material)),
+        loop_from_settings({"shape": "tri3"}, CollectionLoop.mit(material)),
+        loop_from_settings({"shape": "tri3", "mu_a": 0.4}, CollectionLoop.mit(material)),
     ):
         assert loop.model.pressure == PatchFootprint(tri3.outline, corner_share=0.4)
     assert CollectionLoop.mit(material, slider=Slider.mit("hex")).footprint is None
-    assert CollectionLoop.from_settings({"footprint": "exact"}, CollectionLoop.mit(material)).footprint is None
+    assert loop_from_settings({"footprint": "exact"}, CollectionLoop.mit(material)).footprint is None
 
 
 def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):

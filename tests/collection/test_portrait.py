@@ -8,7 +8,7 @@ from refusals import refused
 
 from cyclemap.collection import portrait, staircase_forecast
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
-from cyclemap.collection.portrait_curves import cobweb, cycle_scene, portrait_curves, turn_curve
+from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
 from cyclemap.maps import CircleMap
 
 TURN = 2 * np.pi
@@ -103,7 +103,7 @@ def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) ->
 
 def test_scene_moves_the_outline_rigidly_and_brings_the_ring_home(real_loop) -> None:
     """Forces push the object along, and the reach holds everything drawn."""
-    scene = cycle_scene(real_loop, real_loop.cycle(0.7))
+    scene = real_loop.cycle(0.7).scene()
     for stroke in (scene.push, scene.drag):
         lengths = [np.hypot(*np.diff(outline, axis=0).T) for outline in (stroke.before, stroke.after)]
         assert np.allclose(*lengths, atol=1e-12)

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.settings import sampled_loop
+from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import EllipseFriction, FoundWith, Material, MaterialPosterior, PlatePressure, load_material
 from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.protocol import loop_from_settings
 
 NAMES = ("mu_a", "mu_b", "m0", "n0", "phi_deg", "pusher_mu", "rect1.rim_share")
 
@@ -94,7 +95,7 @@ def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     material = drawn(load_material("plywood"), 1.0, 3, 5)
     place = material.posterior.parameters.index("pusher_mu")
     assert sampled_loop(CollectionLoop.mit(material), 1).pusher.friction == material.posterior.samples[1][place]
-    loop = CollectionLoop.from_settings({"pusher_mu": 0.3, "rim_share": 0.7}, CollectionLoop.mit(material))
+    loop = loop_from_settings({"pusher_mu": 0.3, "rim_share": 0.7}, CollectionLoop.mit(material))
     sample = sampled_loop(loop, 1)
     assert (sample.pusher, sample.footprint) == (loop.pusher, loop.footprint)
     assert sample.material.friction == material.sample(1).friction != loop.material.friction

@@ -34,7 +34,7 @@ FENCE = re.compile(
 )
 REASON = re.compile(r"^% not run: (?P<why>\S.*)$")
 PYTHON, COMMANDS, FILES = {"python", "pycon"}, {"console", "sh"}, {"toml", "text"}
-RUN_TOOLS = {"test", "docs"}
+RUN_TOOLS = {"test", "docs", "wheels"}
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 

@@ -5,12 +5,15 @@ import re
 import runpy
 from pathlib import Path
 
+import cyclemap as cm
 from cyclemap.cli.main import cli
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
-from cyclemap.resets.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
+from cyclemap.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
+from cyclemap.protocol.setting_table import SETTINGS
 
-DOCS = Path(__file__).parents[2] / "docs"
+TESTS = Path(__file__).parents[1]
+DOCS = TESTS.parent / "docs"
 SOURCES = [
     path for path in DOCS.rglob("*") if path.suffix in {".md", ".rst", ".py", ".css"} and "_build" not in path.parts
 ]
@@ -20,9 +23,24 @@ def words(name: str) -> str:
     return (DOCS / name).read_text(encoding="utf-8")
 
 
-def test_the_readme_tells_every_setting_as_the_guide_does() -> None:
-    readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
-    assert runpy.run_path(str(DOCS / "_extensions" / "settings_table.py"))["markdown"]() in readme
+def test_the_guide_shows_the_table_of_every_setting() -> None:
+    assert "```{settings}\n" in words("how-to/own-protocol.md")
+    table = runpy.run_path(str(DOCS / "_extensions" / "settings_table.py"))["markdown"]()
+    keys = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
+    assert keys == list(SETTINGS) and len(keys) > 30
+
+
+def test_the_page_of_materials_tells_every_built_in_one() -> None:
+    rows = re.findall(r"^\| (`.*`) \| ", words("materials.md").split("## A file of your own")[0], re.MULTILINE)
+    assert {name for row in rows for name in re.findall(r"`([\w-]+)`", row)} == set(material_names())
+
+
+def test_every_function_in_the_table_of_rooms_exists() -> None:
+    rows = re.findall(r"^\| `cm\.(\w+)`(?:: \w+)? \| (.*) \|$", words("reference/index.md"), re.MULTILINE)
+    assert len(rows) == 11
+    for room, functions in rows:
+        for name in re.findall(r"`(\w+)`", functions):
+            assert hasattr(getattr(cm, room), name) or hasattr(cm.CircleMap, name), f"cm.{room}.{name}"
 
 
 def test_every_key_of_a_strategy_is_in_the_guide_and_nothing_else_is() -> None:
@@ -58,3 +76,21 @@ def test_the_gallery_shows_every_figure_and_table_under_its_present_title() -> N
     assert [(line["name"], line["title"]) for line in lines] == [(entry.name, entry.title) for entry in entries()]
     assert len(lines) == len(entries()) > 20
     assert all((gallery / line["file"]).is_file() for line in lines)
+
+
+def test_every_claim_on_accuracy_names_a_test_that_is_there() -> None:
+    """Rows of tables name one or more as `file::function`; what is run by hand is a module that can be run."""
+    page = words("accuracy.md")
+    rows = [
+        line for line in page.splitlines() if line.startswith("| ") and not line.startswith(("| number", "| theorem"))
+    ]
+    named = re.findall(r"`([\w/]+\.py)::(\w+)`", page)
+    assert len(rows) >= 35 and len(named) > len(rows)
+    for row in rows:
+        assert re.search(r"`[\w/]+\.py::test_\w+`", row.rsplit("|", 2)[1]), f"no test stands beside: {row}"
+    for file, function in named:
+        source = (TESTS / file).read_text(encoding="utf-8")
+        assert f"\ndef {function}(" in source, f"{file} has no {function}"
+    for module in re.findall(r"`python -m ([\w.]+)", page):
+        place = TESTS.parent.joinpath(*module.split("."))
+        assert place.with_suffix(".py").is_file() or (place / "__main__.py").is_file(), module

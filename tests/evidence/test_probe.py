@@ -9,9 +9,9 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
 from cyclemap.mechanics import EllipseFriction, Material, Pose
+from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.views.probe_page import probe_page, probe_sentences
 from cyclemap.views.style import render
 

@@ -20,13 +20,12 @@ Reader = Callable[[Path], object]
 def readers() -> dict[str, tuple[Reader, ...]]:
     """Who reads a file, by its kind: the name of its sample."""
     from cyclemap.cli.run_figures import _read_index
-    from cyclemap.collection import CollectionLoop
-    from cyclemap.collection.outline_files import read_outline
     from cyclemap.evidence import load_pushes, read_theta0_pairs
     from cyclemap.evidence.data_blocks.collected_blocks import recognise
     from cyclemap.evidence.pushes.own_tables import read_own_table
     from cyclemap.mechanics import load_footprint, load_material
-    from cyclemap.resets import read_protocol, read_schedule
+    from cyclemap.protocol import loop_from_file, read_protocol, read_schedule
+    from cyclemap.protocol.outline_files import read_outline
     from cyclemap.resets.monitor.theta0_feed import theta0_feed
     from cyclemap.sweeps import load_sweep
 
@@ -45,7 +44,7 @@ def readers() -> dict[str, tuple[Reader, ...]]:
         "protocol.toml": (read_protocol,),
         "sweep.sqlite": (load_sweep,),
         "figures.json": (_read_index,),
-        "collection.toml": (CollectionLoop.from_file,),
+        "collection.toml": (loop_from_file,),
         **{f"log{end}": (read_own_table,) for end in (".tsv", ".xlsx", ".parquet", ".db3", ".mcap", ".bag")},
         **{f"tee{end}": (read_outline,) for end in (".svg", ".dxf", ".stl", ".urdf", ".csv")},
     }

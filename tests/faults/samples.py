@@ -11,11 +11,12 @@ _CORNERS = [(0, 0), (80, 0), (80, 80), (0, 80)]
 def write_samples(folder: Path) -> None:
     """Write them all."""
     from cyclemap.collection import CollectionLoop
-    from cyclemap.collection.collection_file import collection_text
     from cyclemap.evidence import simulate_collection
     from cyclemap.mechanics import SidePush, load_material
     from cyclemap.mechanics.material_text import material_toml
-    from cyclemap.resets import CycleAction, ResetStrategy, write_protocol, write_schedule
+    from cyclemap.protocol import write_protocol, write_schedule
+    from cyclemap.protocol.collection_file import collection_text
+    from cyclemap.resets import CycleAction, ResetStrategy
     from cyclemap.sweeps import PortraitNumbers, SweepPlan, run_sweep
 
     loop = CollectionLoop.mit("plywood", accuracy=1e-6)

@@ -36,8 +36,8 @@ def test_the_trough_explains_more_of_the_measured_turns_than_the_ellipse() -> No
     assert np.degrees(missed).round(1).tolist() == [12.3, 17.5, 6.9, 6.3]
 
 
-def test_shapes_identified_from_single_pushes_alone_tell_half_of_what_the_staircase_turns() -> None:
-    """plywood-floor knows of no cycle: pushes of 50 mm at 10 mm/s. Its slow directions are where θ0 was slow."""
+def test_shapes_identified_from_pushes_and_drags_tell_half_of_what_the_staircase_turns() -> None:
+    """plywood-floor knows of no cycle: pushes of 50 mm and drag-backs. Its slow directions are where θ0 was slow."""
     path = MeasuredFolder.found().find("plywood_rect1_theta0_2000.csv")
     if path is None:
         pytest.skip("no measured data: set CYCLEMAP_DATA")
@@ -49,6 +49,6 @@ def test_shapes_identified_from_single_pushes_alone_tell_half_of_what_the_stairc
     predicted = np.degrees(CollectionLoop.mit("plywood-floor").circle_map(1e-5).turn(middles))
     flat = np.degrees(CollectionLoop.mit("isotropic").circle_map(1e-5).turn(middles))
     missed, missed_flat = np.sqrt(np.mean((np.stack([predicted, flat]) - measured) ** 2, axis=1))
-    assert missed < 0.55 * missed_flat
+    assert missed < 0.5 * missed_flat and missed < 6.0
     halves = np.stack([np.argmin(turn.reshape(2, 18), axis=1) for turn in (predicted, measured)])
     assert np.abs(10.0 * (halves[0] - halves[1])).max() <= 25.0

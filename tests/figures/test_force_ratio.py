@@ -16,6 +16,7 @@ from cyclemap.figures import force_ratio
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder
 from cyclemap.figures.force_ratio import FOLDER, compute, draw, predicted_ratio, recorded_ratio
 from cyclemap.mechanics import Slider
+from cyclemap.protocol import loop_from_settings
 
 NAME = "force-ratio"
 
@@ -56,7 +57,7 @@ def test_the_push_slides_one_way_sticks_and_slides_the_other_way(result) -> None
 def test_the_ratio_does_not_depend_on_the_weight_or_the_level_of_friction() -> None:
     ratios = []
     for mu in (0.2, 0.4):
-        loop = CollectionLoop.from_settings({"mu_a": mu, "mu_b": mu, "m0": 0.0, "n0": 0.0})
+        loop = loop_from_settings({"mu_a": mu, "mu_b": mu, "m0": 0.0, "n0": 0.0})
         course = loop.model.push(loop.start_pose(0.3), loop.push, loop.push.distance / 40).trajectory
         found = predicted_ratio(course, loop.pusher.radius, 0.15)
         ratios.append(np.interp(np.linspace(0.001, 0.14, 30), found.travel, found.ratio))

@@ -11,6 +11,7 @@ from cyclemap.evidence import simulate_collection
 from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.figures.measured_sets import measured_run, measured_theta0
 from cyclemap.mechanics import SidePush
+from cyclemap.protocol import loop_from_settings
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +31,7 @@ def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
 
 def test_pushes_of_another_protocol_or_too_few_are_no_set(tmp_path) -> None:
     base = CollectionLoop.mit("abs", accuracy=1e-4, push=SidePush(distance=0.02))
-    simulate_collection(CollectionLoop.from_settings({"fraction": 0.5}, base), tmp_path / "other", 20)
+    simulate_collection(loop_from_settings({"fraction": 0.5}, base), tmp_path / "other", 20)
     simulate_collection(base, tmp_path / "few", 19)
     assert measured_run(MeasuredFolder(tmp_path), "abs") is None
 

@@ -16,6 +16,7 @@ from cyclemap.figures.simulated_collections import (
     surface_states,
 )
 from cyclemap.maps import WrappedNormal, transfer_operator
+from cyclemap.protocol import loop_from_settings
 
 CIRCLE = np.linspace(0.0, 2 * np.pi, 2001)
 
@@ -58,7 +59,7 @@ def test_derivatives_by_the_friction_offset_are_those_of_cycles_run_on_a_changed
         for sign in (1.0, -1.0):
             law = CollectionLoop.mit("pu").material.friction
             settings = {name: getattr(law, name) + sign * step}
-            cycle = CollectionLoop.from_settings(settings, CollectionLoop.mit("pu")).cycle(theta)
+            cycle = loop_from_settings(settings, CollectionLoop.mit("pu")).cycle(theta)
             found.append([cycle.push_turn, *cycle.push_displacement, cycle.theta_next])
         assert np.allclose(np.subtract(*found) / (2.0 * step), exact[:, column], rtol=2e-3, atol=2e-3)
 

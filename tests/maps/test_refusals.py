@@ -18,7 +18,6 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.families.family import break_motion
-from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 from cyclemap.maps.orbits.rotation_number import weighted_mean
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 from tests.maps.known_maps import DOUBLING
@@ -187,8 +186,6 @@ LAWS = [
     (lambda: operator().expectation(lambda theta: np.sum(theta)), "entry"),
     (lambda: operator().expectation(lambda theta: np.full_like(theta, np.inf)), "finite"),
     (lambda: operator().expectation(1.0), "callable"),
-    (lambda: uniform_discretisation(DOUBLING, NOISE), "UniformNoise"),
-    (lambda: uniform_discretisation(DOUBLING, UniformNoise(0.2), max_panels=3), "max_panels"),
 ]
 PASSAGES = [
     *(

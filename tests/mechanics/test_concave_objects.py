@@ -9,8 +9,8 @@ from force_balance import check
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.collection.own_object import first_settings
 from cyclemap.mechanics import EllipseFriction, Polygon, Pose, QuasiStaticModel, SidePush, Slider
+from cyclemap.protocol.own_object import first_settings
 
 LAW = EllipseFriction(0.2545, 0.2346, 0.0325, 0.0082, 2.6175)
 L_SHAPE = Polygon(((0, 0), (0.1, 0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0, 0.1)))

@@ -1,6 +1,7 @@
 """The engine's build: what it makes, that it is made anew when it must, and what is said where it cannot be."""
 
 import ctypes
+import gzip
 import importlib.util
 import os
 import re
@@ -121,6 +122,13 @@ def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
     refused(library.open_engine, engine, told="not made from the sources beside it", kind=EngineNotBuilt)
     built(checkout)
     assert library.open_engine(engine).cm_version().decode() == digest_of(engine)
+
+
+def test_engine_for_browsers_is_made_from_the_sources() -> None:
+    """Its version is their digest: after a change, `python3 run.py wheels browser` makes it anew."""
+    kept = gzip.decompress((ROOT / ENGINE / "engine.wasm.gz").read_bytes())
+    assert kept.startswith(b"\0asm")
+    assert digest_of(ROOT / ENGINE).encode() in kept, "run `python3 run.py wheels browser`"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system looks by itself whether a library is whole")

@@ -9,6 +9,7 @@ from refusals import refused
 from cyclemap.errors import DataFileError
 from cyclemap.mechanics import (
     Ellipse,
+    EllipseFriction,
     LimitSurface,
     PatchFootprint,
     PointFootprint,
@@ -148,3 +149,14 @@ def test_points_that_cannot_carry_a_pressure_are_refused_with_what_to_set():
     steep = PatchFootprint(triangle, centre=(1.0 / 3.0 + 0.1607, 1.0 / 3.0 - 0.0802))
     refused(pressure_points, steep, 4, told="set the footprint")
     assert pressure_points(steep, 8).centre == pytest.approx(steep.centre, abs=1e-12)
+
+
+@pytest.mark.parametrize("twist", [(1.0, 0.3, 3.0), (0.02, 0.01, 1.0), (0.0, 0.0, 1.0)])
+def test_fine_grids_approach_the_patch_at_second_order(twist):
+    """Midpoints of equal cells, a dissipation that is convex: far from the centre of rotation, beside it and on it."""
+    law = EllipseFriction(0.30, 0.24, 0.01, 0.005, 0.4)
+    exact = float(LimitSurface(PatchFootprint(SQUARE), law).dissipation(twist))
+    off = [
+        abs(float(LimitSurface(grid_footprint(SQUARE, n), law).dissipation(twist)) - exact) for n in (10, 20, 40, 80)
+    ]
+    assert np.log2(np.divide(off[:-1], off[1:])) == pytest.approx(2.0, abs=0.1)

@@ -390,7 +390,7 @@ def test_derivatives_by_shapes_that_a_footprint_does_not_have_are_nan():
         (lambda: PressedFootprint(SQUARE, centre=(math.nan, 0.0)), "centre of mass"),
         (lambda: PressedFootprint(grid_footprint(SQUARE, 8)), "support points"),
         (lambda: pressure_points(PressedFootprint(SQUARE), 8), "changes as the object turns"),
-        (lambda: cm.CollectionLoop.from_settings({"rim_share": 0.1}, on(floor=TROUGH)), "set one of them to 0"),
+        (lambda: cm.protocol.loop_from_settings({"rim_share": 0.1}, on(floor=TROUGH)), "set one of them to 0"),
         (lambda: resting_pressure(PressedFootprint(SQUARE), math.nan, ((0.0, 0.0),)), "theta"),
         (lambda: resting_pressure(PressedFootprint(SQUARE), 0.0, ((math.nan, 0.0),)), "places"),
     ],

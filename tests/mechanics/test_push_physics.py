@@ -8,6 +8,7 @@ import pytest
 from force_balance import check
 from random_cases import distances, random_case
 
+from cyclemap.collection import CollectionLoop
 from cyclemap.mechanics import (
     Ellipse,
     PatchFootprint,
@@ -125,3 +126,18 @@ def test_the_residual_of_a_trajectory_tells_forces_outside_the_cone():
     sliding = told.compression[(told.stroke == 0.0) & (told.mode > 0.0)]
     assert less.trajectory(of_push=True).residual == pytest.approx(0.05 * sliding.max(), rel=1e-9)
     assert math.isfinite(less.trajectory(of_push=True).residual)
+
+
+def test_thin_rods_tend_to_a_point():
+    """What a rod does differs from what a point does by its radius, to first order: turn, place, and the next θ0."""
+    loop = CollectionLoop.mit(accuracy=1e-9)
+
+    def numbers(radius):
+        cycle = replace(loop, pusher=replace(loop.pusher, radius=radius)).cycle(0.3)
+        return np.array([cycle.push_turn, *cycle.push_displacement, cycle.theta_next])
+
+    point = numbers(0.0)
+    slopes = [(numbers(radius) - point) / radius for radius in (4e-3, 2e-3, 1e-3, 5e-4)]
+    changes = np.diff(slopes, axis=0)
+    assert np.abs(slopes[-1]).min() > 0.1 and changes[0] / changes[1] == pytest.approx(2.0, abs=0.3)
+    assert changes[1] / changes[2] == pytest.approx(2.0, abs=0.2)

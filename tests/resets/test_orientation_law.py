@@ -67,6 +67,27 @@ def test_simulated_orientations_follow_the_law(order) -> None:
     assert np.all(np.abs(counts.mean(axis=0) - exact) < 4.5 * error + 2e-4)
 
 
+@pytest.mark.parametrize("pushes", [4, 6])
+def test_blocks_of_unequal_shares_are_averaged_over_all_their_orders_alike(pushes) -> None:
+    """Three of one action and one of another: what is left is the mean over the orders, made one by one on a grid."""
+    strategy = ResetStrategy(PAIR.actions, (3.0, 1.0), order="shuffled")
+    law = orientation_law(TURNS, strategy, 0.2, pushes)
+    step = THETA[:, None] - THETA[None]
+    chains = []
+    for turn in TURNS:
+        off = (step - turn[None] + math.pi) % (2.0 * math.pi) - math.pi
+        density = np.exp(-0.5 * (off / 0.2) ** 2)
+        chains.append(density / density.sum(axis=0))
+    orders = ([0, 0, 0, 1], [0, 0, 1, 0], [0, 1, 0, 0], [1, 0, 0, 0])
+    ends = np.mean([np.linalg.multi_dot([chains[k] for k in order]) for order in orders], axis=0)
+    if pushes == 6:
+        # Two more: the second action first, second, or not among them.
+        pairs = [chains[1] @ chains[0], chains[0] @ chains[1], chains[0] @ chains[0]]
+        ends = (pairs[0] / 4.0 + pairs[1] / 4.0 + pairs[2] / 2.0) @ ends
+    left = 0.5 * np.abs(ends - 1.0 / N).sum(axis=0)
+    assert law.after == pytest.approx(left.max(), abs=2e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("order", "pushes"), [("random", 6), ("shuffled", 5)])
 def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show(order, pushes) -> None:

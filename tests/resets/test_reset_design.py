@@ -63,6 +63,7 @@ def test_rows_are_few_and_each_has_its_role(design) -> None:
     assert row_of(design, "most uniform").worst_after == min(row.worst_after for row in able)
     assert row_of(design, "cheapest").seconds == min(row.seconds for row in able if not row.misses)
     own = row_of(design, "as it is")
+    assert own is design.own and own.misses[:2] == ("tv", "after")
     assert own.nominal.total_variation == pytest.approx(0.957, abs=2e-3)
 
 
@@ -104,6 +105,29 @@ def test_every_pair_of_pushes_was_looked_at() -> None:
     assert two.sum() == len(pairs) > 20
     assert found.after[two].min() == pytest.approx(best.after.min(), abs=1e-12)
     assert found.after.min() <= best.after.min()
+
+
+def test_a_loop_whose_histogram_is_nearer_to_uniform_than_any_reset_is_left_as_it_is() -> None:
+    """On friction that is isotropic for certain cycles step evenly around the circle, though each tells its start."""
+    even = replace(LOOP, material=cm.load_material("isotropic"))
+    demands = ResetDemands(keep_push=True, abilities=("gripper",))
+    left = design_reset(even, demands, materials=material_range(even.material, 0.0, 0.0))
+    assert left.met and left.chosen is left.own and left.chosen.roles[:2] == ("chosen", "as it is")
+    assert left.chosen.strategy.actions == (cm.resets.CycleAction(),)
+    assert left.chosen.nominal.after > 0.5 and not left.chosen.misses
+    assert left.chosen.worst_histogram[0] < min(row.worst_histogram[0] for row in left.rows[1:])
+    assert left.chosen.worst_histogram[0] < 0.5 * left.independent
+
+
+def test_contact_is_demanded_at_least() -> None:
+    """The loop's own push keeps the object for 132 mm: enough for 120, too little for 140, which is then what binds."""
+    narrow = material_range(LOOP.material, 0.0, 0.0)
+    for contact, misses in ((0.12, False), (0.14, True)):
+        demands = ResetDemands(keep_push=True, abilities=("gripper",), contact=contact, pushes=100)
+        design = design_reset(LOOP, demands, materials=narrow)
+        assert 0.12 < design.chosen.contact < 0.14
+        assert ("contact" in design.chosen.misses) == misses == (not design.met)
+        assert ("contact" in [limit.demand for limit in design.binding]) == misses
 
 
 def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds() -> None:

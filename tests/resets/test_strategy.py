@@ -8,8 +8,8 @@ import pytest
 from refusals import refused
 
 import cyclemap as cm
+from cyclemap.protocol.strategy import one_loop, overruled_settings
 from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs
-from cyclemap.resets.design.strategy import one_loop, overruled_settings
 
 LOOP = cm.CollectionLoop.mit()
 PUSHES = tuple(CycleAction(push=cm.SidePush(side)) for side in (0, 1, 2))

@@ -43,6 +43,18 @@ def test_runs_from_sampled_maps_follow_the_mechanics() -> None:
     assert sampled == pytest.approx(first.theta[:, :-1], abs=5e-3)
 
 
+def test_runs_and_seeds_are_drawn_by_themselves() -> None:
+    """Turns of 1 and 2 rad and some noise: what was done and what was kicked are other in every run and seed."""
+    turns = np.array([np.full(8, 1.0), np.full(8, 2.0)])
+    strategy = ResetStrategy((CycleAction(), CycleAction(turn=1.0)))
+    found = [sampled_orientations(turns, strategy, 61, 5, 0.1, seed=seed) for seed in (1, 2)]
+    steps = np.diff(np.concatenate(found), axis=1)
+    assert len({tuple(row) for row in np.rint(steps).tolist()}) == 10
+    kicks = np.corrcoef(steps - np.rint(steps))
+    assert np.abs(kicks - np.eye(10)).max() < 0.5
+    assert np.std(steps - np.rint(steps)) == pytest.approx(0.1, rel=0.1)
+
+
 def test_a_surface_that_wears_does_so_in_a_run() -> None:
     measured = cm.CollectionLoop.mit("plywood-measured", accuracy=1e-6)
     own = ResetStrategy((CycleAction(),))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop, portrait
+from cyclemap.protocol import loop_from_settings
 from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptPoint
 from cyclemap.sweeps import portrait_numbers as module
 
@@ -15,7 +16,7 @@ def test_every_number_is_the_portraits_to_the_last_bit() -> None:
     """At a point that changes friction, ring and noise."""
     plan = SweepPlan.grid("plywood", {"mu_a": (0.26,), "hitch_x_mm": (-11.0,)}, {"noise_deg": 10.0})
     found = PortraitNumbers(("all",), TOLERANCE, rotation_tolerance=0.0)(plan.point(0))
-    loop = CollectionLoop.from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
+    loop = loop_from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
     drawn = portrait(loop, sigma=float(np.radians(10.0)), cycles=1, tolerance=TOLERANCE)
     points, rotation, turns, operator = drawn.fixed_points, drawn.rotation, drawn.turns, drawn.operator
     assert len(points) == 2 and rotation.locked == 0 and drawn.tv_from_uniform is not None

@@ -65,7 +65,9 @@ def open_page():
             page.on("console", lambda message: troubles.append(message.text))
             page.on("pageerror", lambda error: troubles.append(str(error)))
             home = address.partition("#")[0] if address.startswith("http") else "file:"
-            page.on("request", lambda one: None if one.url.startswith((home, "data:")) else asked.append(one.url))
+            page.on(
+                "request", lambda one: None if one.url.startswith((home, "data:", "blob:")) else asked.append(one.url)
+            )
             page.goto(address)
             return page
 

@@ -17,7 +17,12 @@ from cyclemap.views.orbit_panels import (
     draw_orbit_branches,
     draw_orbit_diagram,
 )
-from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane, draw_tongues
+from cyclemap.views.rotation_panels import (
+    draw_bifurcation_curves,
+    draw_rotation_numbers,
+    draw_rotation_plane,
+    draw_tongues,
+)
 from cyclemap.views.staircase_page import draw_step_lengths, draw_steps
 
 WELLS = CircleMap(
@@ -109,6 +114,14 @@ PANELS = [
         draw_tongues,
         lambda: (maps.tongues(CircleMap.arnold, *TONGUES),),
         ["0/1", "1/2", "1/3", "edge of a tongue", "edge where the map folds"],
+    ),
+    (
+        draw_bifurcation_curves,
+        lambda: (
+            maps.bifurcation_curves(CircleMap.arnold, (-0.6, 0.6), (-0.1, 3.0), lines=1),
+            maps.tongues(CircleMap.arnold, *TONGUES),
+        ),
+        ["0/1", "1/2", "1/3", "edge of a tongue", "saddle-node", "period-doubling", "tip"],
     ),
     (draw_steps, lambda: (STAIRS, maps.find_steps(STAIRS)), ["0.0°", "57.3°", "114.6°"]),
     (draw_step_lengths, dwells, ["dwell", "mean", "predicted"]),

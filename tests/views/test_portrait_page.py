@@ -8,12 +8,13 @@ import pytest
 from drawn_words import assert_words_apart
 from matplotlib.colors import to_rgb
 
+from cyclemap.cli.json_report import portrait_report
 from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import MapAgreement
-from cyclemap.maps import Estimate
+from cyclemap.maps import CircleMap, Estimate, WrappedNormal, transfer_operator
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences, style
 from cyclemap.views.style import render
@@ -97,6 +98,17 @@ def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None
     assert math.isclose(sum(curves.density[:-1]) * 2 * math.pi / 1440, 1.0, rel_tol=1e-3)
     fresh = found.operator.density(curves.density_theta)
     assert abs(curves.density - fresh).max() > 1.0
+
+
+def test_noise_that_holds_two_directions_is_told_with_their_shares_and_how_often_it_changes(drawn) -> None:
+    wells = CircleMap(lambda x: x - 0.3 * np.sin(2 * x) + 0.05 * np.sin(x))
+    found = replace(drawn("rotating")[0], operator=transfer_operator(wells, WrappedNormal(0.3)))
+    (much, few), said = found.held, sentences.noise_sentence(found)
+    assert said.endswith("Noise holds two directions: 88% near 180° and 12% near 360°, a change every 5849 cycles.")
+    assert much.share * much.leaving + few.share * few.leaving == pytest.approx(1 / 5849, rel=1e-3)
+    report = portrait_report(found)["stationary"]
+    assert [round(one["share"], 2) for one in report["held"]] == [0.88, 0.12]
+    assert portrait_report(drawn("rotating")[0])["stationary"]["held"] == []
 
 
 def test_sentences_of_noise_staircase_agreement_and_parameters_carry_the_numbers(drawn) -> None:

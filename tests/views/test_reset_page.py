@@ -1,13 +1,14 @@
 """Recipes say what the robot does; the page draws every row."""
 
 import math
+import re
 
 import pytest
 
 import cyclemap as cm
 from cyclemap.mechanics import SidePush
 from cyclemap.resets import CycleAction, MaterialRange, ResetDemands, ResetStrategy, design_reset, gripper_turns, legs
-from cyclemap.views.reset_page import design_sentences, recipe, reset_page
+from cyclemap.views.reset_page import design_sentences, histogram_words, recipe, reset_page, row_cells
 from cyclemap.views.style import render
 
 pytestmark = pytest.mark.slow
@@ -59,6 +60,10 @@ def test_the_three_sentences_tell_what_the_chosen_row_holds(design) -> None:
     do, leaves, costs = design_sentences(design)
     row = design.chosen
     assert recipe(row.strategy) in do
-    for number in (row.nominal.total_variation, row.nominal.after, row.worst, row.histogram[0], design.independent):
-        assert f"{number:.3f}" in leaves
+    told = [f"{number:.3f}" for number in (row.worst, row.worst_after, row.worst_histogram[0])]
+    assert re.findall(r"0\.\d{3}", leaves) == told
+    cells = " ".join(row_cells(row))
+    for number in (row.nominal.total_variation, row.worst, row.worst_after, row.histogram[0], row.worst_histogram[0]):
+        assert f"{number:.3f}" in cells
+    assert f"{design.independent:.3f}" in histogram_words(design)
     assert f"{1e3 * row.drag:.0f} mm of drag" in costs and f"{row.seconds:.1f} s a cycle" in costs

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
@@ -25,7 +24,9 @@ from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.mechanics import SidePush, material_names
+from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
+from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
@@ -241,7 +242,7 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
         posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
         facts = rows.facts
         if facts["object"] not in loops:
-            loops[facts["object"]] = CollectionLoop.from_settings({"shape": facts["object"]}, loop)
+            loops[facts["object"]] = loop_from_settings({"shape": facts["object"]}, loop)
         loop_of_set = loops[facts["object"]]
         far = rows.lengths(length, loop_of_set)
         kept = posed & np.isfinite(far)
@@ -268,7 +269,7 @@ def _cycles(
     rows = sets[counts.index(most)]
     if loop is not None:
         if rows.facts["object"] not in (None, file_stem(loop.slider.name)):
-            loop = CollectionLoop.from_settings({"shape": rows.facts["object"]}, loop)
+            loop = loop_from_settings({"shape": rows.facts["object"]}, loop)
         far = float(np.median(rows.lengths(length, loop)))
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
             left_out[f"cycles: {NO_LENGTH}"] += most

@@ -12,7 +12,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.settings import sampled_loop
+from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.orientations.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal

@@ -15,8 +15,6 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
-from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
@@ -34,10 +32,18 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     TIP_OFFSET,
     cycle_pair_block,
     drag_turn_block,
+    predicted_push_ends,
     push_end_block,
+    surface_model,
 )
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of, session_block
-from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, PLATE_NAMES, SURFACE
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD_NAMES,
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+    SurfaceParameters,
+)
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -63,6 +69,8 @@ from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, load_pushes, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
@@ -88,6 +96,9 @@ _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
 _FEWEST_CONTACTS = 8
 # A session whose robot was this far from where it was sent (m), and so many times further than in others, is odd.
 _ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
+# So is one in which a plate turns by this share less or more than in another, and by so many standard errors; so many
+# pushes, at least and at most, tell.
+_TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS, _MOST_TURNS = 0.15, 4.0, 20, 200
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
@@ -188,6 +199,8 @@ class BlockBuilder:
         self.plates: list[str] = []
         self.sessions: list[str] = []
         self.tip_errors: dict[str, float] = {}
+        # Pushes by plate and session.
+        self.pushes: dict[str, dict[str, list[MeasuredPush]]] = {}
         self.notes: list[FileNote] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
@@ -266,14 +279,42 @@ class BlockBuilder:
         )
 
     def _odd_sessions(self) -> list[str]:
-        """Sessions in which the robot strayed unlike in the others, with a note of each."""
+        """Sessions whose robot strayed, or whose plate turned, unlike in the others, with a note of each."""
         usual = float(np.median([*self.tip_errors.values()])) if self.tip_errors else 0.0
-        odd = [one for one, size in self.tip_errors.items() if size > max(_ASTRAY, _TIMES * usual)]
-        for session in odd:
-            off, others = 1e3 * self.tip_errors[session], 1e3 * usual
-            told = f"the rod was {off:.2g} mm from where it was sent on average, {others:.2g} mm in others"
-            words = f"an odd session, {told}: it does not count to the floor's mean"
+        odd = {}
+        for session, size in self.tip_errors.items():
+            if size > max(_ASTRAY, _TIMES * usual):
+                strayed = f"{1e3 * size:.2g} mm from where it was sent on average, {1e3 * usual:.2g} mm in others"
+                odd[session] = f"the rod was {strayed}"
+        for plate, sessions in self.pushes.items():
+            counted = {session: own for session, own in sessions.items() if len(own) >= _FEWEST_TURNS}
+            if len(counted) > 1:
+                slider = loop_of_plate(self.given, plate).slider
+                odd |= self._turned_unlike({session: flat_turns(own, slider) for session, own in counted.items()})
+        for session, reason in odd.items():
+            words = f"an odd session, {reason}: it does not count to the floor's mean"
             self.notes.append(FileNote(session, words))
+        return [*odd]
+
+    def _turned_unlike(self, turns: Mapping[str, tuple[float, float]]) -> dict[str, str]:
+        """Of sessions of one plate those that turned it unlike the others, and why; turns : of each, see `flat_turns`.
+
+        Of two that differ the odd one is that whose robot strayed more; where nothing tells, both are noted only.
+        """
+        odd = {}
+        for session, (ratio, error) in turns.items():
+            # The median of all, of two the other one.
+            ranked = sorted(both for name, both in turns.items() if len(turns) > 2 or name != session)
+            other, its_error = ranked[(len(ranked) - 1) // 2]
+            apart = abs(ratio - other)
+            if apart <= _TURNS_APART * max(ratio, other) or apart <= _TURN_ERRORS * math.hypot(error, its_error):
+                continue
+            astray = [self.tip_errors.get(name, 0.0) for name in turns if name != session]
+            reason = f"its turns are {ratio:.2f} of isotropic friction's on a flat floor, {other:.2f} in others"
+            if len(turns) > 2 or self.tip_errors.get(session, 0.0) > max(astray):
+                odd[session] = reason
+            elif self.tip_errors.get(session, 0.0) == max(astray):
+                self.notes.append(FileNote(session, f"{reason}; nothing tells which of the two is odd"))
         return odd
 
     def _add_unreadable(self, pushes: PushTable) -> None:
@@ -400,6 +441,7 @@ class BlockBuilder:
     ) -> None:
         kept = _thinned(pushes, self.most)
         if kept:
+            self.pushes.setdefault(self.plate, {}).setdefault(self.session, _thinned(pushes, _MOST_TURNS))
             block = push_end_block(kept, self.loop.slider, self.target, frames_agree)
             self._add(block, f"{_counted(kept, pushes)} push ends", noise)
 
@@ -435,7 +477,8 @@ def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | N
     if not {*ERRORS} <= set(table.header):
         return None
     read = np.array([[table.number(row, name) for name in ERRORS] for row in rows])
-    along, _, turned, dragged = push_noise((1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))))
+    worst = 1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))
+    along, _, turned, dragged = push_noise(worst, by_hand=FRAMES_AGREE in table.header)
     return {"push place (m)": float(along), "push turn (rad)": float(turned), "drag turn (rad)": float(dragged)}
 
 
@@ -455,6 +498,16 @@ def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
     if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
         return loop
     return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
+
+
+def flat_turns(pushes: Sequence[MeasuredPush], slider: Slider) -> tuple[float, float]:
+    """Return the mean size of turns over that of isotropic friction on a flat floor, and its standard error."""
+    ends = predicted_push_ends(surface_model(SurfaceParameters(), slider), pushes)[0]
+    predicted = np.abs(ends[:, 2] - [push.start.theta for push in pushes])
+    measured = np.abs([push.end.theta - push.start.theta for push in pushes])
+    mean = max(float(np.mean(predicted)), 1e-9)
+    ratio = float(np.mean(measured)) / mean
+    return ratio, float(np.std(measured - ratio * predicted)) / math.sqrt(len(pushes)) / mean
 
 
 def _cycle_groups(count: int) -> Labels:

@@ -8,12 +8,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.settings import mean_pressure, with_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
@@ -42,9 +41,11 @@ from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
 from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.foundation import FloorField
+from cyclemap.mechanics.plate_footprint import mean_pressure
 from cyclemap.mechanics.quasi_static import run_strokes
 
 Rows = tuple[Array, Array]
+StrokeRows = tuple[Array, Array, NDArray[np.bool_]]
 
 # Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of exact ones.
 ACCURACY = 1e-3
@@ -80,14 +81,14 @@ def push_end_block(
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
 
-    def misfit(strokes: Sequence[MeasuredPush], values: Values) -> Rows:
+    def misfit(strokes: Sequence[MeasuredPush], values: Values) -> StrokeRows:
         surface = SurfaceParameters.from_values(values)
         shift = (0.0, 0.0) if frames_agree else (values["tip_offset_x"], values["tip_offset_y"])
         model = surface_model(surface, slider, field=floor_field(values))
-        ends, by = predicted_push_ends(model, strokes, shift, names, target)
+        ends, by, stayed = predicted_push_ends(model, strokes, shift, names, target)
         own_columns = by[..., len(names) : len(names) + len(own)]
         jacobian = np.concatenate([surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1)
-        return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian
+        return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian, stayed
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     own = (*(() if target is None else FIELD), *(() if frames_agree else TIP_OFFSET))
@@ -102,7 +103,7 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pin_friction_radius")
 
-    def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> Rows:
+    def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> StrokeRows:
         surface = SurfaceParameters.from_values(values)
         model = surface_model(surface, slider, field=floor_field(values))
         courses, places = [], []
@@ -122,7 +123,7 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
         parts = [surface.chain(by, names, DRAG_UNKNOWNS)]
         parts += [] if target is None else [_by_field(_by_names(model, FLOOR_NAMES, slopes), np.array(places))]
         turned = np.where(done, ran.ended[:, 2], [drag.start.theta for drag in strokes])
-        return (turned - measured)[:, None], np.concatenate(parts, axis=-1)
+        return (turned - measured)[:, None], np.concatenate(parts, axis=-1), ~done
 
     own = () if target is None else FIELD
     parameters = (*DRAG_UNKNOWNS, *(one.name for one in own))
@@ -141,13 +142,13 @@ def _stroke_block(
     name: str,
     parameters: tuple[str, ...],
     strokes: Sequence[Any],
-    misfit: Callable[[Sequence[Any], Values], Rows],
+    misfit: Callable[[Sequence[Any], Values], StrokeRows],
     row_kinds: tuple[str, ...],
     own_parameters: tuple[Parameter, ...] = (),
 ) -> DataBlock:
     """The block of strokes with a few rows each, of these kinds; strokes of one contact are a group.
 
-    misfit : some of the strokes, values -> residuals (s, m), derivatives (s, m, k).
+    misfit : some of the strokes, values -> residuals (s, m), derivatives (s, m, k), which were taken to stay (s,).
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")
@@ -157,7 +158,7 @@ def _stroke_block(
         some = [strokes[number] for number in (chosen[::rows] // rows).tolist()]
 
         def function(values: Values) -> Rows:
-            residual, jacobian = misfit(some, values)
+            residual, jacobian, _ = misfit(some, values)
             return residual.ravel(), jacobian.reshape(residual.size, len(parameters))
 
         return function
@@ -166,7 +167,11 @@ def _stroke_block(
     motions = np.array([(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes])
     kinds = np.tile(row_kinds, len(strokes))
     whole = part(np.arange(groups.size))
-    return DataBlock(name, parameters, whole, groups, kinds, own_parameters, part, motions)
+
+    def stayed(values: Values) -> int:
+        return int(np.sum(misfit(strokes, values)[2]))
+
+    return DataBlock(name, parameters, whole, groups, kinds, own_parameters, part, motions, stayed=stayed)
 
 
 def surface_model(
@@ -183,11 +188,12 @@ def predicted_push_ends(
     shift: tuple[float, float] = (0.0, 0.0),
     names: tuple[str, ...] = (),
     target: Place | None = None,
-) -> Rows:
-    """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), and derivatives (n, 3, k + 2).
+) -> StrokeRows:
+    """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), derivatives, and what stayed (n,).
 
-    These are by `names` of the mechanics, with a target by the floor's heights, and by both components of the shift. An
-    object that the rod does not touch stays, and so does one of the few (a twentieth at most) whose push has no answer.
+    Derivatives (n, 3, k + 2) are by `names` of the mechanics, with a target by the floor's heights, and by both
+    components of the shift. An object that the rod does not touch stays, and so does one of the few (a twentieth at
+    most) whose push has no answer.
     target : m, from which a floor's shape that varies with the place is told.
     """
     origin, heights = np.array(target or (0.0, 0.0)), 0 if target is None else len(FIELD)
@@ -203,8 +209,9 @@ def predicted_push_ends(
         raise InvalidInput(f"the rod at {at} m lies deep inside the object at {pose}: check the frames")
     way = length / model.unit - travel
     touched = np.flatnonzero(way > 0.0)
+    stayed = np.full(len(pushes), True)
     if not touched.size:
-        return ends, by
+        return ends, by, stayed
     # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
     still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, with_object=True)
     strokes = [
@@ -218,7 +225,7 @@ def predicted_push_ends(
     ran = run_strokes(courses, len(PARAMETERS), _FAILING)
     done = ran.status > 0
     moved = np.column_stack([model.unit * ran.pushed[:, :2] + origin, ran.pushed[:, 2]])
-    ends[touched[done]] = moved[done]
+    ends[touched[done]], stayed[touched[done]] = moved[done], False
     units = np.array((model.unit, model.unit, 1.0))
     slopes = np.where(done[:, None, None], ran.derivatives[:, :3], 0.0) * units[:, None]
     by[touched, :, : len(names)] = _by_names(model, names, slopes)
@@ -230,7 +237,7 @@ def predicted_push_ends(
         by[touched, :, len(names) : -2] = _by_field(_by_names(model, FLOOR_NAMES, slopes), middles + along)
     starting = np.array([_by_shift(model, *one) for one in both])
     by[touched, :, -2:] = slopes[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
-    return ends, by
+    return ends, by, stayed
 
 
 def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
@@ -342,5 +349,5 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, shapes and ring that were identified along with it."""
     found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
     material = Material("identified", surface.to_friction(), found_with=found)
-    changed = with_material(replace(loop, accuracy=CYCLE_ACCURACY), material)
+    changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)
     return replace(changed, footprint=surface.footprint(loop.slider))

@@ -62,6 +62,8 @@ class DataBlock:
     motions : (s, 2) rad, orientation before each stroke or cycle and its measured turn, for pictures. curve : of
     cycles: values, angles (a,), whether at the end of the wear -> predicted turns (a,).
     asked : what `function` calls the parameters, where they have other names.
+    stayed : of strokes: values -> after how many the object is taken to be where it was, since the rod misses it or the
+    motion has no answer.
 
     Raises InvalidInput where shapes do not agree.
 
@@ -80,6 +82,7 @@ class DataBlock:
     motions: Array | None = None
     curve: Callable[[Values, Array, bool], Array] | None = None
     asked: tuple[str, ...] = ()
+    stayed: Callable[[Values], int] | None = None
 
     def __post_init__(self) -> None:
         groups = np.array(self.groups)
@@ -93,7 +96,7 @@ class DataBlock:
         set_fields(self, parameters=names, asked=self.asked or names, groups=groups, kinds=kinds)
 
     def own_values(self, values: Values) -> dict[str, float]:
-        """Return the block's parameters by the names that `function` and `curve` have for them."""
+        """Return the block's parameters by the names that its functions have for them."""
         return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
@@ -124,6 +127,7 @@ class DataBlock:
             kinds=self.kinds[rows],
             part=None if part is None else lambda fewer: part(rows[fewer]),
             motions=None,
+            stayed=None,
         )
 
     def of_owner(self, owner: str, owned: Sequence[Parameter]) -> DataBlock:

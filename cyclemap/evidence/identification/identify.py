@@ -272,6 +272,12 @@ def identify(
     report(1.0)
     estimates = _estimates(problem, fit, errors, level)
     notes += [*_notes(found, errors, estimates, believed), *failures]
+    for block in blocks:
+        stayed = 0 if block.stayed is None else block.stayed(block.own_values(problem.values(fit.vector)))
+        if stayed:
+            reason = "the rod misses it, or the motion has no answer"
+            strokes = len(block.groups) if block.motions is None else len(block.motions)
+            notes.append(f"{block.name}: {stayed} of {strokes} are taken to leave the object where it was: {reason}")
     # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
     plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset")
     usual = {name: 0.0 if name.startswith(plain) else value for name, value in problem.space.nominal.items()}

@@ -17,7 +17,6 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import mean_pressure, pressed_footprint, with_material
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -30,6 +29,7 @@ from cyclemap.mechanics import (
     SurfaceShape,
 )
 from cyclemap.mechanics.foundation import FLAT, FloorField
+from cyclemap.mechanics.plate_footprint import mean_pressure, pressed_footprint
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 FLOOR_NAMES = ("floor_dome", "floor_bow_x", "floor_bow_y")
@@ -351,7 +351,7 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     if isinstance(loop.footprint, PatchFootprint) and loop.footprint.even_share != 1.0:
         raise InvalidInput("identification tells shapes of floor and plate, not shares of the load: leave these out")
     if start is not None:
-        loop = with_material(loop, start)
+        loop = loop.with_material(start)
     pressed, unit = loop.footprint, mean_pressure(loop.slider)
     floor, plate = (pressed.floor, pressed.plate) if isinstance(pressed, PressedFootprint) else (FLAT, FLAT)
     values = SurfaceParameters.from_friction(

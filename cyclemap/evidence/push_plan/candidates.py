@@ -11,10 +11,10 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput, RodMissesObject
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import Ellipse, Pose, SidePush, Slider
+from cyclemap.mechanics.first_touch import first_contact
 
 # Where on a side, how slanted (rad) and, by the size of the object, how long a push may be.
 _FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import (
@@ -21,6 +20,7 @@ from cyclemap.evidence.pushes.planned_table import (
     pose_columns,
     table_bytes,
 )
+from cyclemap.mechanics.first_touch import first_contact
 
 MM = 1e3
 _POINTS = [f"{place}_{axis}_mm" for place in ("approach", "touch", "end", "ring") for axis in "xy"]

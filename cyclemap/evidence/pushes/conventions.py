@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from cyclemap.checks import finite_number
-from cyclemap.collection.collection_file import data_table
 from cyclemap.errors import unknown_name
 from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import CsvRow, CsvTable
 
 Number = TypeVar("Number", float, Any)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import plate_footprint
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.conventions import convention_of
@@ -41,6 +40,7 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.foundation import FLAT, FloorField
 from cyclemap.mechanics.material import FloorSession
 from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics.plate_footprint import plate_footprint
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table
 

@@ -17,6 +17,7 @@ from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law, p
 from cyclemap.evidence.orientations.circular_distance import PValue, monte_carlo_p_value
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
 from cyclemap.evidence.tables.push_sets import FEWEST, QUANTITIES, PushSet, PushStatistics, push_statistics
+from cyclemap.maps import RestMultiplier, rest_multiplier
 
 # Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told from chance.
 _FEWEST_FOR_SCATTER = 100
@@ -224,6 +225,7 @@ class SetFit:
     """A set with what was fitted to it; what could not be is None, and its row or ``map_problem`` says why.
 
     histogram : of Δθ, measured and predicted; None without a law of Δθ, or where all Δθ are alike.
+    rest : the multiplier of its last cycles, of one path without gaps that rests; else None.
     """
 
     pushes: PushSet
@@ -232,6 +234,7 @@ class SetFit:
     histogram: TurnHistogram | None
     cycle_map: MeasuredCycleMap | None
     map_problem: str | None
+    rest: RestMultiplier | None = None
 
     @property
     def is_empty(self) -> bool:
@@ -266,4 +269,6 @@ def fit_set(
         except (InvalidInput, ConvergenceError) as error:
             problem = str(error)
     report(1.0)
-    return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem)
+    pairs = pushes.pairs
+    rest = None if pairs is None or pairs.path is None or pairs.moved else rest_multiplier(pairs.path)
+    return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem, rest)

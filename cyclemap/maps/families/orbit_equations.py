@@ -93,7 +93,7 @@ class OrbitEquations:
         at = member or family_member(self.family, p)
         last = np.inf
         for _ in range(_ITERATIONS):
-            moved = _solved(self.jacobian(at.derivative(theta)), -self.residual(at(theta), theta))
+            moved = least_step(self.jacobian(at.derivative(theta)), -self.residual(at(theta), theta))
             size = float(np.max(np.abs(moved)))
             if not size < _LONGEST:
                 return None
@@ -115,7 +115,7 @@ class OrbitEquations:
             theta = point[:-1] * self.scales[:-1]
             residual = self.residual(at(theta), theta)
             bordered = np.column_stack([self.jacobian(at.derivative(theta)), tangent(theta)]) * self.scales
-            moved = _solved(np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess)))
+            moved = least_step(np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess)))
             size, point = float(np.max(np.abs(moved))), point + moved
             if not size < _LONGEST or not low - slack <= point[-1] * span <= high + slack:
                 return None
@@ -131,13 +131,14 @@ class OrbitEquations:
         """The unit tangent of the branch in the scaled space, turned towards ``along``."""
         bordered = np.column_stack([self.jacobian(slopes), push]) * self.scales
         if along is not None:
-            unit = _solved(np.vstack([bordered, along]), np.append(np.zeros(self.hops.size), 1.0))
+            unit = least_step(np.vstack([bordered, along]), np.append(np.zeros(self.hops.size), 1.0))
             return np.asarray(unit / np.linalg.norm(unit))
         _, _, rows = np.linalg.svd(bordered)
         return np.asarray(rows[-1])
 
 
-def _solved(matrix: Array, right: Array) -> Array:
+def least_step(matrix: Array, right: Array) -> Array:
+    """The step of Newton's method, the shortest one where there are many."""
     try:
         return np.asarray(np.linalg.solve(matrix, right))
     except np.linalg.LinAlgError:
@@ -303,7 +304,7 @@ def recorded(
 _BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
 
 
-def _one_sided(
+def one_sided(
     equations: OrbitEquations, tangent: ParameterTangent, theta: Array, point: int, side: int
 ) -> tuple[OrbitState, Array, Array, Array]:
     """The orbit with θ_point on a break, the map there that of one side (-1 below, 1 above).
@@ -337,7 +338,7 @@ def border_collision(
             return None
         tangent = equations.push(p)
         theta[point] = before.theta[point] - gap + break_motion(before.member.breaks, tangent.member.breaks)[which]
-        state, residual, push, condition = _one_sided(equations, tangent, theta, point, side)
+        state, residual, push, condition = one_sided(equations, tangent, theta, point, side)
         extended = np.vstack([np.column_stack([equations.jacobian(state.slopes), push]), condition])
         try:
             moved = np.linalg.solve(extended, -np.append(residual, 0.0))
@@ -351,7 +352,7 @@ def border_collision(
         theta, p, last = theta + moved[:-1], p + float(moved[-1]), size
     else:
         return None
-    beyond, _, far_push, far_condition = _one_sided(equations, tangent, theta, point, -side)
+    beyond, _, far_push, far_condition = one_sided(equations, tangent, theta, point, -side)
     jump = bool(abs(float(state.member.right(theta[point]) - state.member.left(theta[point]))) > JUMP)
     right, left = (state, beyond) if side > 0 else (beyond, state)
     sides = right.multiplier, left.multiplier

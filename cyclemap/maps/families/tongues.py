@@ -24,6 +24,7 @@ from cyclemap.maps.families.family import (
     parameter_tangent,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
@@ -34,6 +35,7 @@ _CLOSE = 4.0 * EPS  # relative: the least that Brent's method takes
 _FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
 _CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
 _MOST_CELLS = 65_536
+_AT_BREAK = 1e-6  # radians: an extremum is known to about the root of rounding
 _SEARCHES = 4  # times that an edge is sought, a hump that was missed before among the marks
 _QUARTERS = np.linspace(0.0, 1.0, 5)
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -162,8 +164,8 @@ class EdgeSearch:
                     f"({low:.9g}, {high:.9g}): widen them"
                 )
 
-    def edge(self, low: float, high: float) -> tuple[Estimate, float, bool]:
-        """The edge inside [low, high], the angle of its orbit, whether the map folds; the ends lie on its two sides."""
+    def edge(self, low: float, high: float) -> tuple[Estimate, Array, str, bool]:
+        """The edge inside [low, high], its orbit, why it is one, whether the map folds; the ends lie on its sides."""
         from scipy.optimize import brentq  # slow to import
 
         for _ in range(_SEARCHES):
@@ -192,7 +194,16 @@ class EdgeSearch:
             )
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
         error = above - below + (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(parameter)
-        return Estimate(parameter, error), trial.found[1] % TWO_PI, trial.monotone is not trial.member
+        return Estimate(parameter, error), *self._touching(trial), trial.monotone is not trial.member
+
+    def _touching(self, trial: _Trial) -> tuple[Array, str]:
+        """The orbit at which the extremum is 0, by the limits of the side it is taken from; what meets there."""
+        lift = trial.monotone.right if self._sign > 0.0 else trial.monotone.left
+        points = [trial.found[1] % TWO_PI]
+        for _ in range(self.ratio.denominator - 1):
+            points.append(float(lift(points[-1])) % TWO_PI)
+        meets = float(np.min(distance_to_break(trial.member.breaks, np.array(points)))) < _AT_BREAK
+        return np.array(points), "border-collision" if meets else "saddle-node"
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""
@@ -213,7 +224,10 @@ class Tongue:
     """The tongue p/q of a one-parameter family: the parameters at which an orbit of rotation number p/q exists.
 
     ratio : p/q, turns a cycle. left, right : its edges, in the parameter's unit.
-    left_theta, right_theta : a point, radians in [0, 2π), of the orbit that is born at each edge.
+    left_orbit, right_orbit : shape (q,), radians in [0, 2π), the orbit that is born at each edge, in order of visit.
+    left_kind, right_kind : why the tongue ends there: "saddle-node" (two orbits meet, multiplier 1) or
+        "border-collision" (the orbit meets a kink or a jump of the map). Where the map folds it is one of the two as
+        well: no orbit of an edge visits a plateau of the monotone envelope, on which F^q - id falls.
     folded : whether the map folds at an edge. If not, the rotation number is p/q all through the tongue and
         nowhere else (locking); if it does, p/q is one of an interval of rotation numbers, and tongues overlap.
     """
@@ -221,8 +235,10 @@ class Tongue:
     ratio: Fraction
     left: Estimate
     right: Estimate
-    left_theta: float
-    right_theta: float
+    left_orbit: Array
+    right_orbit: Array
+    left_kind: str
+    right_kind: str
     folded: bool
 
     @property
@@ -281,8 +297,9 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
         search = EdgeSearch(family, wanted, side, within)
         search.require_inside()
         edges.append(search.edge(*within))
-    (left, left_theta, left_folds), (right, right_theta, right_folds) = edges
-    return Tongue(wanted, left, right, left_theta, right_theta, left_folds or right_folds)
+    (left, left_orbit, left_kind, left_folds), (right, right_orbit, right_kind, right_folds) = edges
+    orbits = read_only(left_orbit), read_only(right_orbit)
+    return Tongue(wanted, left, right, *orbits, left_kind, right_kind, left_folds or right_folds)
 
 
 def rotation_ratio(ratio: Any) -> Fraction:
@@ -332,7 +349,7 @@ def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Rang
                     ):
                         reach *= _WIDENING
                         first, last = max(low, guess - reach), min(high, guess + reach)
-                edge, _, folded = search.edge(first, last)
+                edge, _, _, folded = search.edge(first, last)
                 found[s, i, j] = edge, edge.error_bound, folded
     (left, left_error), (right, right_error) = (
         tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found

@@ -1,1 +1,1 @@
-"""The noise that is added after each cycle, and the panels on which uniform noise is resolved."""
+"""The noise that is added after each cycle, and chances of going from cell to cell under it."""

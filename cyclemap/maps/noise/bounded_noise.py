@@ -39,6 +39,11 @@ class UniformNoise:
         """h²/3."""
         return self.halfwidth**2 / 3.0
 
+    @property
+    def jump(self) -> float:
+        """h."""
+        return self.halfwidth
+
     def coefficients(self, m: Any) -> Array:
         """κ_m = sin(mh)/(mh)."""
         return np.asarray(np.sinc(np.asarray(m, dtype=np.float64) * (self.halfwidth / np.pi)))
@@ -101,6 +106,7 @@ class VonMises:
     """
 
     kappa: float
+    jump = 0.0
 
     def __post_init__(self) -> None:
         concentration = finite_number("kappa", self.kappa)

@@ -24,6 +24,10 @@ class Noise(Protocol):
     def variance(self) -> float:
         """Variance of one draw on the real line, radians²; inf where there is none."""
 
+    @property
+    def jump(self) -> float:
+        """h where the density is even on [-h, h] and jumps to nothing there, radians; 0 where it is smooth."""
+
     def coefficients(self, m: Any) -> Array:
         """κ_m = E e^{imξ}, real by symmetry; any whole m, any shape."""
 
@@ -63,6 +67,7 @@ class WrappedNormal:
     """
 
     sigma: float
+    jump = 0.0
 
     def __post_init__(self) -> None:
         width = finite_number("sigma", self.sigma)
@@ -162,6 +167,7 @@ class WrappedCauchy:
     """
 
     r: float
+    jump = 0.0
 
     def __post_init__(self) -> None:
         length = finite_number("r", self.r)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -16,19 +16,57 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
 
-if TYPE_CHECKING:
-    from cyclemap.maps.operator.uniform_basis import UniformDiscretisation
-
-# A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on the coefficients c of
-# densities p(θ) = Σ_j c_j φ_j(θ), per radian.
-Discretisation: TypeAlias = "FourierDiscretisation | UniformDiscretisation"
-
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications, some minutes
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 
 Waves = tuple[slice, Array]
+
+
+class Discretisation(Protocol):
+    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on it.
+
+    Laws are coefficients c of densities p(θ) = Σ_j c_j φ_j(θ), per radian.
+    """
+
+    @property
+    def map(self) -> CircleMap:
+        """F."""
+
+    @property
+    def noise(self) -> Noise | None:
+        """ξ; None for none."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+
+    @property
+    def left_out(self) -> float:
+        """A bound on what one cycle makes of functions beyond the basis; inf where there is none."""
+
+    @property
+    def mass(self) -> Array:
+        """(n,): the integral of every basis function."""
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): the density 1/2π."""
+
+    @property
+    def matrix(self) -> Array:
+        """(n, n): the coefficients after one cycle from those before."""
+
+    @property
+    def rule(self) -> tuple[Array, Array]:
+        """Nodes and weights over one turn for integrals of a law."""
+
+    def moments(self, order: int) -> Any:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
+
+    def refined(self) -> Self:
+        """A finer basis, for errors."""
 
 
 def needed_modes(noise: Noise) -> int:
@@ -99,6 +137,11 @@ class FourierDiscretisation:
     def size(self) -> int:
         """2·modes + 1."""
         return 2 * self.modes + 1
+
+    @cached_property
+    def left_out(self) -> float:
+        """A bound on what one cycle makes of the modes that are not kept: the sum of the noise's coefficients there."""
+        return self.noise.tail(self.modes)
 
     @cached_property
     def mass(self) -> Array:
@@ -181,6 +224,14 @@ class FourierDiscretisation:
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
         back = -self._turned(_times(self.kappa, dual))
         return np.concatenate([after.T @ back for _, after in images])
+
+    def dual(self, theta: Array, dual: Array) -> Array:
+        """(m, k): at the angles, the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
+        return np.concatenate([here.T @ dual for _, here in WavesInBlocks(theta, self.modes)])
+
+    def backward(self, theta: Array, dual: Array) -> Array:
+        """(m, k): E z(F(θ) + ξ) at the angles for the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
+        return self.dual(self.map(theta), _times(self.kappa, dual))
 
     def on_nodes(self, law: Any) -> Any:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from itertools import pairwise
+from typing import Any, Self
 
 import numpy as np
 
@@ -13,11 +14,14 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
+from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
+from cyclemap.maps.quadrature import arc_rule
 
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: few enough for the processor's cache
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
+_POINTS = 8  # grid points a basis function
 _NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
 
 Rule = tuple[Array, Array]
@@ -25,7 +29,7 @@ Rule = tuple[Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class StationaryLaw:
-    """The density p̃ with L p̃ = p̃ on a basis, how far it is from the true p, and Poisson's equation about it.
+    """The density p̃ with L p̃ = p̃ on a basis, and Poisson's equation about it.
 
     (I - L) x = f, f without mass, is made regular as (I - L + u·massᵀ) x = f, u the uniform law: its solution has no
     mass, and f = u gives p̃.
@@ -62,7 +66,7 @@ class StationaryLaw:
             raise ConvergenceError(_NOT_UNIQUE)
         return found
 
-    def _dual(self, moments: Array) -> Array:
+    def dual(self, moments: Array) -> Array:
         """w_j = ∫ z φ_j of the z with z - Pz = h - E h (Poisson's equation), from ``moments`` ∫ h φ_j.
 
         P = L* is the backward operator, (Pz)(θ) = E z(F(θ) + ξ); z's mean over the circle is 0. Columns of several
@@ -72,25 +76,47 @@ class StationaryLaw:
         return np.asarray(self._inverse.T @ centred)
 
     @cached_property
-    def error(self) -> tuple[Discretisation, Array, float, float]:
+    def grid(self) -> tuple[Array, Array]:
+        """A uniform grid of at least eight points a basis function, and the density there."""
+        count = 1 << int(np.ceil(np.log2(_POINTS * self.basis.size)))
+        grid = TWO_PI * np.arange(count) / count
+        return grid, self.density(grid)
+
+    def density(self, theta: Array) -> Array:
+        """The density per radian at angles, shape (m,)."""
+        raise NotImplementedError
+
+    def refined(self) -> Self:
+        """The same on a finer basis."""
+        return replace(self, basis=self.basis.refined())
+
+
+@dataclass(frozen=True, eq=False)
+class FourierLaw(StationaryLaw):
+    """The stationary law in Fourier modes, and how far it is from the true one."""
+
+    basis: FourierDiscretisation
+
+    def density(self, theta: Array) -> Array:
+        """The density per radian at angles, shape (m,)."""
+        return density_at(self.basis, theta, self.coefficients)
+
+    def slope(self, theta: Array) -> Array:
+        """Its derivative."""
+        return np.asarray(self.basis.slope(theta) @ self.coefficients)
+
+    @cached_property
+    def error(self) -> tuple[FourierDiscretisation, Array, float, float]:
         """(basis, correction, left, remainder): p - p̃ is the correction on that basis, give or take what it leaves.
 
         In coefficients at most ``left``, summed, and per radian at most ``remainder`` when solved for.
-        Fourier: the residual Lp̃ - p̃ is taken with every mode that the noise lets through on twice as many nodes, and
+        The residual Lp̃ - p̃ is taken with every mode that the noise lets through on twice as many nodes, and
         the equation for the error is solved with it once more (a two-level step, Atkinson & Brakhage 1960);
         ``remainder`` is the norm of (I - L)⁻¹ times what that leaves, the noise's tail and a rounding allowance.
-        Other bases: no correction, the basis's own ``residual`` times a measured norm of (I - L)⁻¹ between values on
-        the nodes. Proved: that the error is (I - L)⁻¹ times the residual, and the tail. Measured: quadrature, rounding,
+        Proved: that the error is (I - L)⁻¹ times the residual, and the tail. Measured: quadrature, rounding,
         and the norms of the inverse.
         """
         basis, law = self.basis, self.coefficients
-        if not isinstance(basis, FourierDiscretisation):
-            left, (theta, weight) = basis.residual(law), basis.rule
-            values = basis.evaluate(theta)
-            project = np.linalg.solve((values.T * weight) @ values, values.T * weight)
-            within = values @ (self._solve(np.asarray(project)) - project)
-            growth = 1.0 + float(np.max(np.sum(np.abs(within), axis=1)))
-            return basis, np.zeros(basis.size), left, growth * left
         fine = basis.refined()
         density = fine.on_nodes(fine.padded(law, basis))
         defect = fine.carried(density) - fine.padded(law, basis)
@@ -108,8 +134,6 @@ class StationaryLaw:
     def density_error(self) -> float:
         """Bound on sup|p - p̃|, per radian: on a grid so fine that Bernstein's inequality leaves 2 %."""
         basis, correction, _, remainder = self.error
-        if not isinstance(basis, FourierDiscretisation):
-            return remainder
         count = _GRID_FACTOR * basis.modes
         spectrum = np.zeros(count // 2 + 1, dtype=np.complex128)
         spectrum[0] = correction[0]
@@ -118,52 +142,44 @@ class StationaryLaw:
 
     def _dual_bound(self, moments: Array) -> float:
         """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's higher modes."""
-        return 2.0 * float(np.max(np.abs(self._dual(moments)), initial=1.0)) * self.error[2]
+        return 2.0 * float(np.max(np.abs(self.dual(moments)), initial=1.0)) * self.error[2]
 
     def moment_error(self, order: int) -> float:
         """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included."""
-        basis, correction, _, remainder = self.error
+        basis, correction, _, _ = self.error
         row = self.basis.moments(order)
         found = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
         found += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
-        if not isinstance(basis, FourierDiscretisation):
-            return found + TWO_PI * remainder
         return found + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
     def map_error(self, moments: Array, direct: Any = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to ``max_error``.
 
         ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E z(F + ξ) in F, and
-        ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F. For bases other than Fourier |(Pz)'|
-        is replaced by its bound, the spread of z times the noise's largest density (unimodal noise).
+        ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
         """
         basis, epsilon = self.basis, self.basis.map.max_error
         if epsilon == 0.0:
             return 0.0
-        theta, weight = basis.rule
-        dual = self._dual(moments)
-        if isinstance(basis, FourierDiscretisation):
-            mass = weight * np.abs(basis.on_nodes(self.coefficients))
-            return epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))
-        values = basis.evaluate(theta)
-        spread = float(np.ptp(values @ np.linalg.solve((values.T * weight) @ values, dual)))
-        return epsilon * (float(np.max(np.abs(direct))) + spread * float(basis.noise.density(0.0)))
+        _, weight = basis.rule
+        dual = self.dual(moments)
+        mass = weight * np.abs(basis.on_nodes(self.coefficients))
+        return epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))
 
     @cached_property
     def density_map_error(self) -> Array:
         """First-order bounds on the change of the density, per radian, when F is off by up to ``max_error``.
 
-        ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode; 0 on bases other than Fourier (with uniform noise the
-        law has steps that move with the map, so that no such bound exists).
+        ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
         """
         basis, epsilon = self.basis, self.basis.map.max_error
-        if epsilon == 0.0 or not isinstance(basis, FourierDiscretisation):
+        if epsilon == 0.0:
             return np.zeros(1)
         where = TWO_PI * np.arange(basis.modes) / basis.modes
         theta, weight = basis.rule
         mass = weight * np.abs(basis.on_nodes(self.coefficients))
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
-        slopes = np.abs(basis.expected_slope(self._dual(basis.evaluate(where).T), at=theta[held]))
+        slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where).T), at=theta[held]))
         return np.asarray(epsilon * (mass[held] @ slopes))
 
     def expectation(
@@ -173,16 +189,10 @@ class StationaryLaw:
 
         direct : ∂h/∂F where h depends on F, for the part of the bound that the map's ``max_error`` makes.
         """
-        basis, law, (fine, correction, _, remainder) = self.basis, self.coefficients, self.error
+        basis, law, (fine, correction, _, _) = self.basis, self.coefficients, self.error
         found, rounding = [], 0.0
         for theta, weight in rules or (basis.rule, fine.rule):
-            if not callable(function):
-                raise InvalidInput(f"function is {function!r}: give a callable of an array of angles")
-            values = finite_array("the function's values", function(theta))
-            if values.shape != theta.shape:
-                raise InvalidInput(
-                    f"function turns shape {theta.shape} into {values.shape}: it must act entry by entry"
-                )
+            values = checked_values(function, theta)
             mass = weight * density_at(basis, theta, law)
             found.append(float(np.dot(mass, values)))
             rounding = INTEGRAL * float(np.dot(np.abs(mass), np.abs(values)))
@@ -190,11 +200,24 @@ class StationaryLaw:
         bound = abs(value - rough) + rounding
         bound += abs(float(np.dot(weight * values, density_at(fine, theta, correction))))
         moments = moments_against(basis, theta, weight * values)
-        if isinstance(basis, FourierDiscretisation):
-            bound += self._dual_bound(moments)
-        else:
-            bound += remainder * float(np.dot(weight, np.abs(values - np.median(values))))
+        bound += self._dual_bound(moments)
         return Estimate(value, bound + self.map_error(moments, direct))
+
+    def distance_from_uniform(self) -> Estimate:
+        """½∫|p - 1/2π|, cut where the density crosses the uniform one; 0 where it cannot be told from it."""
+        grid, values = self.grid
+        known = np.pi * (self.density_error + float(np.mean(self.density_map_error))) + INTEGRAL
+        farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
+        if farthest <= 4.0 * (self.density_error + float(np.max(self.density_map_error))):
+            return Estimate(0.0, min(1.0, known + np.pi * farthest))
+        excess = values - 0.5 / np.pi
+        crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
+        found = np.sort(bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
+        ends = np.append(found, found[0] + TWO_PI).tolist()
+        basis = self.basis
+        rules = [arc_rule(basis.map, a, b, basis.size // 2, every_sample=False) for a, b in pairwise(ends) if b > a]
+        parts = [abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules]
+        return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
 
     def diffusion(self) -> Estimate:
         """D = lim Var(θ_n)/2n, radians² a cycle, of the lifted path θ' = F(θ) + ξ; its bound is of rounding alone.
@@ -211,7 +234,7 @@ class StationaryLaw:
             raise InvalidInput(f"the map has degree {basis.map.degree}: a diffusion constant needs degree 1")
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
-        if not isinstance(basis.noise, WrappedNormal) or not isinstance(basis, FourierDiscretisation):
+        if not isinstance(basis.noise, WrappedNormal):
             raise InvalidInput(
                 f"the noise is {basis.noise!r}: a diffusion constant is computed for WrappedNormal; else "
                 "sample_staircases tells how paths spread"
@@ -219,7 +242,7 @@ class StationaryLaw:
         theta, weight = basis.rule
         turn, mass = basis.map.turn(theta), weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
-        dual = self._dual(moments_against(basis, theta, weight * turn))
+        dual = self.dual(moments_against(basis, theta, weight * turn))
         later = (basis.kappa * dual) @ waves(basis.map(theta), basis.modes)  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
         found = 0.5 * correlated + basis.noise.variance * (0.5 + float(np.dot(mass, basis.expected_slope(dual))))
@@ -227,14 +250,24 @@ class StationaryLaw:
         return Estimate(found, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(found)))
 
 
-def moments_against(basis: Discretisation, theta: Array, mass: Array) -> Array:
+def checked_values(function: Callable[[Array], Array], theta: Array) -> Array:
+    """h at the angles, or InvalidInput."""
+    if not callable(function):
+        raise InvalidInput(f"function is {function!r}: give a callable of an array of angles")
+    values = finite_array("the function's values", function(theta))
+    if values.shape != theta.shape:
+        raise InvalidInput(f"function turns shape {theta.shape} into {values.shape}: it must act entry by entry")
+    return values
+
+
+def moments_against(basis: FourierDiscretisation, theta: Array, mass: Array) -> Array:
     """(n,): Σ mass φ_j(θ), in blocks."""
     step = max(64, _ENTRIES // basis.size)
     parts = [mass[at : at + step] @ basis.evaluate(theta[at : at + step]) for at in range(0, theta.size, step)]
     return np.asarray(np.sum(parts, axis=0))
 
 
-def density_at(basis: Discretisation, theta: Array, coefficients: Array) -> Array:
+def density_at(basis: FourierDiscretisation, theta: Array, coefficients: Array) -> Array:
     """The density at many angles, in blocks."""
     step = max(64, _ENTRIES // basis.size)
     parts = [basis.evaluate(theta[at : at + step]) @ coefficients for at in range(0, theta.size, step)]

@@ -108,12 +108,13 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     highest = float(np.max(np.where(close, moduli + bounds, 0.0)))
     if np.isfinite(highest):
         return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
+    if np.isinf(basis.left_out):
+        return Estimate(float(moduli[0]), max(float(moduli[0]), 1.0 - float(moduli[0])))
     # The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off.
     power = _deflated(basis)
     size = float(np.linalg.norm(power))
     off, largest = MATRIX * 4.0 * (1.0 + size), 1.0
-    if isinstance(basis, FourierDiscretisation):
-        off += basis.noise.tail(basis.modes) * (1.0 + size)
+    off += basis.left_out * (1.0 + size)
     for n in 2.0 ** np.arange(_SQUARINGS):
         largest = min(largest, (size + off) ** (1.0 / n))
         off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
@@ -210,4 +211,4 @@ def _error_bounds(
     # One to one, or to 0: the nearest finer value may be another's.
     others = np.append(leading_values(finer, max(2 * values.size, 8)), np.zeros(values.size))
     gaps = np.abs(values[:, None] - others)
-    return np.asarray(gaps[linear_sum_assignment(gaps)])
+    return np.asarray(2.0 * gaps[linear_sum_assignment(gaps)])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,10 +16,11 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.operator.cell_law import CellLaw, cell_law
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.poisson_equation import StationaryLaw, density_at
+from cyclemap.maps.operator.metastability import MetastableSet, leaving_errors, slow_chain
+from cyclemap.maps.operator.poisson_equation import FourierLaw
 from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
@@ -50,22 +50,24 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
     return np.sort(np.where(at >= TWO_PI, 0.0, at))
 
 
-_POINTS = 8  # grid points a basis function
+_GRID = 16  # grid points a mode on which sets are told apart
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
-def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None = None) -> TransferOperator:
+def transfer_operator(circle_map: CircleMap, noise: Noise | None, *, modes: int | None = None) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
     Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
     through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
-    Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
+    Monge & Nisoli 2020). ``UniformNoise``, whose density jumps, and None, no noise, take the masses of 512
+    or 1,024 cells, with bounds that fall with their length (see ``CellLaw``); without noise the map must expand.
 
     modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
-    Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
-    ``WrappedNormal`` below 0.0046 rad), ConvergenceError when the map is too steep or too fine for it, so that more
-    than 400,000 nodes or 2e12 multiplications would be needed, or uniform noise leaves its law unresolved.
+    Raises InvalidInput when there is no noise and no power of the map expands, or the noise is so narrow that more than
+    2000 modes would be needed (for ``WrappedNormal`` below 0.0046 rad), ConvergenceError when the map is too steep or
+    too fine for it, so that more
+    than 400,000 nodes or 2e12 multiplications would be needed.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
@@ -74,24 +76,24 @@ def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None 
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
-    if not isinstance(noise, Noise):
-        raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
-    if not isinstance(noise, UniformNoise):
-        needed = needed_modes(noise)
-        kept = needed if modes is None else whole_number("modes", modes, least=1)
-        return TransferOperator(circle_map, noise, FourierDiscretisation(circle_map, noise, kept))
-    if modes is not None:
-        raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
-    from cyclemap.maps.operator.uniform_basis import uniform_discretisation
-
-    return TransferOperator(circle_map, noise, uniform_discretisation(circle_map, noise))
+    if noise is not None and not isinstance(noise, Noise):
+        raise InvalidInput(f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None")
+    if noise is None or noise.jump > 0.0:
+        if modes is not None:
+            raise InvalidInput(
+                f"modes is {modes!r}, but with {noise!r} nothing is resolved in Fourier modes: leave it out"
+            )
+        return TransferOperator(circle_map, noise, cell_law(circle_map, noise))
+    needed = needed_modes(noise)
+    kept = needed if modes is None else whole_number("modes", modes, least=1)
+    return TransferOperator(circle_map, noise, FourierLaw(FourierDiscretisation(circle_map, noise, kept)))
 
 
 @dataclass(frozen=True, eq=False)
 class TransferOperator:
     """Made by ``transfer_operator``; everything is computed when first asked for, and kept.
 
-    map, noise : what it is the operator of. discretisation : the basis on which it is a matrix.
+    map, noise : what it is the operator of. law : its stationary law on a basis.
 
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
     ``StationaryLaw.error`` for what in them is proved and what measured); to first order they include the
@@ -99,8 +101,13 @@ class TransferOperator:
     """
 
     map: CircleMap
-    noise: Noise
-    discretisation: Discretisation
+    noise: Noise | None
+    law: FourierLaw | CellLaw
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """The basis on which the operator is a matrix."""
+        return self.law.basis
 
     @property
     def modes(self) -> int:
@@ -111,7 +118,7 @@ class TransferOperator:
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
         angles = finite_array("theta", theta)
-        return density_at(self.discretisation, angles.ravel(), self._law.coefficients).reshape(angles.shape)
+        return self.law.density(angles.ravel()).reshape(angles.shape)
 
     @cached_property
     @one_thread
@@ -120,7 +127,7 @@ class TransferOperator:
 
         With uniform noise the map's ``max_error`` is left out: where the law has steps they move with the map.
         """
-        return self._law.density_error + float(np.max(self._law.density_map_error))
+        return self.law.density_error + float(np.max(self.law.density_map_error))
 
     @cached_property
     def is_certain(self) -> bool:
@@ -134,12 +141,12 @@ class TransferOperator:
     @one_thread
     def moment(self, n: int) -> complex:
         """E e^{inθ} of the stationary law; 0 beyond the modes kept. See ``moment_error``."""
-        return complex(self.discretisation.moments(whole_number("n", n)) @ self._law.coefficients)
+        return complex(self.discretisation.moments(whole_number("n", n)) @ self.law.coefficients)
 
     @one_thread
     def moment_error(self, n: int) -> float:
         """Bound on |error| of ``moment(n)``."""
-        return self._law.moment_error(whole_number("n", n))
+        return self.law.moment_error(whole_number("n", n))
 
     @one_thread
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
@@ -156,7 +163,7 @@ class TransferOperator:
         True
         """
         graded = (graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)) if folds else None
-        return self._law.expectation(function, graded)
+        return self.law.expectation(function, graded)
 
     @cached_property
     @one_thread
@@ -164,7 +171,7 @@ class TransferOperator:
         """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
         if self.map.degree != 1:
             raise InvalidInput(f"the map has degree {self.map.degree}: its mean winding is not defined")
-        return self._law.expectation(lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI)
+        return self.law.expectation(lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI)
 
     @cached_property
     @one_thread
@@ -177,7 +184,7 @@ class TransferOperator:
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        found = self._law.diffusion()
+        found = self.law.diffusion()
         return found if np.isinf(found) else Estimate(found, abs(self._finer.diffusion() - found) + found.error_bound)
 
     @cached_property
@@ -187,19 +194,7 @@ class TransferOperator:
 
         0 where the density is nowhere further from uniform than four times its error bound.
         """
-        grid, values = self._grid
-        known = np.pi * (self._law.density_error + float(np.mean(self._law.density_map_error))) + INTEGRAL
-        farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
-        if farthest <= 4.0 * self.error_bound:
-            return Estimate(0.0, min(1.0, known + np.pi * farthest))
-        # Cut where the density crosses the uniform one.
-        excess = values - 0.5 / np.pi
-        crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-        found = np.sort(bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
-        ends = np.append(found, found[0] + TWO_PI).tolist()
-        rules = [arc_rule(self.map, a, b, self.modes, every_sample=False) for a, b in pairwise(ends) if b > a]
-        parts = [abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules]
-        return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
+        return self.law.distance_from_uniform()
 
     @one_thread
     def peaks(self) -> Array:
@@ -207,11 +202,7 @@ class TransferOperator:
 
         Maxima that rise above their neighbouring minima by less than the error bound are not told apart.
         """
-
-        def slope(theta: Array) -> Array:
-            return np.asarray(self.discretisation.slope(theta) @ self._law.coefficients)
-
-        return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
+        return peaks_of(self.law.slope, *self.law.grid, 4.0 * self.error_bound)
 
     @one_thread
     def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
@@ -220,13 +211,20 @@ class TransferOperator:
         Fewer are returned only when the basis has fewer functions. Small operators are solved whole, large ones by
         Arnoldi's iteration, whose residuals are checked; ConvergenceError when they fail.
         """
-        return leading_values(self.discretisation, whole_number("k", k, least=1))
+        return leading_values(self._noisy_basis, whole_number("k", k, least=1))
 
     @one_thread
     def spectrum(self, k: int) -> Spectrum:
         """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
         count = whole_number("k", k, least=1)
-        return leading_spectrum(self.discretisation, self._finer.basis, self._law.coefficients, count)
+        return leading_spectrum(self._noisy_basis, self._finer.basis, self.law.coefficients, count)
+
+    @property
+    def _noisy_basis(self) -> Discretisation:
+        """The basis, or InvalidInput: without noise most of the spectrum is a disc, which cells do not tell."""
+        if self.noise is None:
+            raise InvalidInput("the noise is None: eigenvalues need noise, for example WrappedNormal(0.02)")
+        return self.discretisation
 
     @cached_property
     def spectral_gap(self) -> Estimate:
@@ -239,6 +237,39 @@ class TransferOperator:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
         return mixing_time(self._second)
 
+    @one_thread
+    def metastable_sets(self) -> tuple[MetastableSet, ...]:
+        """The sets of angles among which noise rarely carries a path, the largest share first; or none.
+
+        Their arcs end where the slow left eigenfunctions say that a path belongs to either side alike: see
+        ``SlowChain``. Bounds: of the shares those of the density; of the chances of leaving see ``leaving_errors``.
+
+        >>> from cyclemap.maps.noise.noise import WrappedNormal
+        >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta) + 0.05 * np.sin(theta))
+        >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
+        >>> [(round(one.share, 4), round(1 / one.leaving)) for one in held]
+        [(0.8779, 10269), (0.1221, 1428)]
+        """
+        if not isinstance(self.law, FourierLaw):
+            raise InvalidInput(
+                f"the noise is {self.noise!r}: metastable sets need a smooth density, as WrappedNormal has"
+            )
+        spectrum = self.spectrum(_LEADING)
+        grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
+        chain = slow_chain(self.law.basis, spectrum, grid)
+        if chain is None:
+            return ()
+        errors = leaving_errors(chain, spectrum, grid)
+        sets = []
+        for arcs, leaving, error in zip(chain.arcs(grid), np.diag(chain.leaving), errors, strict=True):
+            rules = [arc_rule(self.map, start, end, self.modes, every_sample=False) for start, end in arcs]
+            theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+            density = self.density(theta)
+            share = Estimate(float(weight @ density), self.error_bound * float(weight.sum()) + INTEGRAL)
+            peak = float(np.mod(theta[np.argmax(density)], TWO_PI))
+            sets.append(MetastableSet(arcs, peak, share, Estimate(float(leaving), float(error))))
+        return tuple(sorted(sets, key=lambda held: -held.share))
+
     def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
         """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage_times``."""
         return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
@@ -248,21 +279,10 @@ class TransferOperator:
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     @cached_property
-    def _law(self) -> StationaryLaw:
-        return StationaryLaw(self.discretisation)
-
-    @cached_property
-    def _finer(self) -> StationaryLaw:
-        return StationaryLaw(self.discretisation.refined())
+    def _finer(self) -> FourierLaw | CellLaw:
+        return self.law.refined()
 
     @cached_property
     @one_thread
     def _second(self) -> Estimate:
         return second_modulus(self.spectrum(_LEADING), self.discretisation)
-
-    @cached_property
-    def _grid(self) -> tuple[Array, Array]:
-        """A uniform grid, and the density there."""
-        count = 1 << int(np.ceil(np.log2(_POINTS * self.discretisation.size)))
-        grid = TWO_PI * np.arange(count) / count
-        return grid, self.density(grid)

@@ -13,7 +13,6 @@ from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import arc_rule
 
@@ -166,7 +165,7 @@ _MIN_BANDWIDTH = 4
 
 def killed_chain(
     circle_map: CircleMap,
-    noise: Noise,
+    noise: Noise | None,
     arcs: tuple[Arc, ...],
     exits: tuple[Arc, ...] | None,
     lifted: bool,
@@ -180,13 +179,13 @@ def killed_chain(
     exits : None takes all that lies outside the one arc, on the line below it and above it. lifted : the space is the
     real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes end at every sample of a
     sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more than ``most`` nodes would be
-    needed, and for ``UniformNoise``, whose density jumps.
+    needed, and for noise whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
-    if isinstance(noise, UniformNoise):
+    if noise.jump > 0.0:
         raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
     if exits is None:
         ((low, high),) = arcs
@@ -291,6 +290,13 @@ class Expectation:
         """X(θ)."""
         return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
 
+    def growth(self, images: Array, chain: KilledChain) -> Array:
+        """How fast c + ∫ g(y - F) X dy grows with F alone, at ``images``; the integral on the nodes of ``chain``."""
+        around = self.values_at(chain.images)[1]
+        gap = chain.theta - images[:, None]
+        pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
+        return np.asarray((self.at - self.top) @ chain.departure_slopes(images) - pushed)
+
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's ``max_error``.
 
@@ -311,10 +317,7 @@ class Expectation:
         residual, size = np.where(size <= other_size, residual, other), np.minimum(size, other_size)
         padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
         widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
-        # How fast c + ∫ g(y - F) X dy grows with F alone.
-        gap = fine.theta - images[:, None]
-        pushed = chain.noise.slope(gap, chain.lifted) * fine.weight @ on_fine[1]
-        slope = np.abs((self.at - self.top) @ fine.departure_slopes(images) - pushed)
+        slope = np.abs(self.growth(images, fine))
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
         own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))

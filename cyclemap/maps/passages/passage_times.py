@@ -7,13 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.passages.cell_passage import cell_passage
 from cyclemap.maps.passages.killed_chain import (
     Arc,
     KilledChain,
@@ -35,7 +35,7 @@ _MORE = 1.4  # bandwidth of the second attempt over that of the first
 @one_thread
 def mean_passage_time(
     circle_map: CircleMap,
-    noise: Noise,
+    noise: Noise | None,
     start: float,
     arc: Arc,
     *,
@@ -50,7 +50,7 @@ def mean_passage_time(
     T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels between the map's
     breaks and samples (Nyström), is eliminated without subtraction from the exactly known chances of leaving
     (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep their digits; inf above 1e300, where
-    ``log10_passage_time`` goes on. ``UniformNoise`` has a method of its own.
+    ``log10_passage_time`` goes on. Under ``UniformNoise`` see ``cell_passage``.
 
     ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding included, Φ = (I - K)⁻¹|r|
     bounds the error, since K is positive (Collatz 1952): proved; r and Φ are measured on nodes. The map's ``max_error``
@@ -65,10 +65,10 @@ def mean_passage_time(
     """
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    if isinstance(noise, UniformNoise):
-        from cyclemap.maps.passages.uniform_passage import uniform_passage_time
-
-        return uniform_passage_time(circle_map, noise, inside, ends, lifted)
+    if isinstance(noise, Noise) and noise.jump > 0.0:
+        outside = ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
+        rewards = np.zeros(len(outside))
+        return cell_passage(circle_map, noise.jump, inside, (ends,), outside, lifted, 1.0, rewards)
     make = partial(killed_chain, circle_map, noise, (ends,), None, lifted)
     return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
@@ -76,7 +76,7 @@ def mean_passage_time(
 @one_thread
 def hitting_probability(
     circle_map: CircleMap,
-    noise: Noise,
+    noise: Noise | None,
     start: float,
     arc_a: Arc,
     arc_b: Arc,
@@ -99,10 +99,10 @@ def hitting_probability(
     for ends, answer in ((a, 1.0), (b, 0.0)):
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
-    if isinstance(noise, UniformNoise):
-        from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability
-
-        return uniform_hitting_probability(circle_map, noise, theta, a, b)
+    if isinstance(noise, Noise) and noise.jump > 0.0:
+        goals = np.array([1.0, 0.0])
+        found = cell_passage(circle_map, noise.jump, theta, rest, (a, b), False, 0.0, goals)
+        return Estimate(min(found, 1.0), found.error_bound)
     make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
     found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
     if not np.isfinite(found):

@@ -83,12 +83,34 @@ class Structure:
     @cached_property
     def dtype(self) -> np.dtype[np.void]:
         """The structure as numpy lays it out; tables are addresses."""
-        kinds = {"number": "f8", "whole": "i8", "table": np.uintp}
+        return self.laid_out(np.dtype(np.uintp))
+
+    def laid_out(self, address: np.dtype[Any]) -> np.dtype[np.void]:
+        """The structure where tables have addresses of that kind."""
+        kinds: dict[str, Any] = {"number": "f8", "whole": "i8", "table": address}
         fields = []
         for name, kind, count in self.fields:
-            of = kind.dtype if isinstance(kind, Structure) else kinds[kind]
+            of = kind.laid_out(address) if isinstance(kind, Structure) else kinds[kind]
             fields.append((name, of, count) if count else (name, of))
         return np.dtype(fields, align=True)
+
+    def places(self, address: np.dtype[Any]) -> dict[str, tuple[int, str]]:
+        """Where each number or table of a structure begins, bytes, and its kind; by dotted names.
+
+        >>> inner = Structure("Inner", (("count", "whole", 0),))
+        >>> Structure("Outer", (("at", "table", 0), ("in", inner, 0))).places(np.dtype("u4"))
+        {'at': (0, 'table'), 'in.count': (8, 'whole')}
+        """
+        laid = self.laid_out(address)
+        found: dict[str, tuple[int, str]] = {}
+        for name, kind, _ in self.fields:
+            start = laid.fields[name][1] if laid.fields is not None else 0
+            if isinstance(kind, Structure):
+                inner = kind.places(address).items()
+                found |= {f"{name}.{key}": (start + at, of) for key, (at, of) in inner}
+            else:
+                found[name] = (start, kind)
+        return found
 
     def definition(self) -> str:
         """Return the definition in C."""

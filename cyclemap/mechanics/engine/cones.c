@@ -106,31 +106,37 @@ static ALWAYS_INLINE double complex product(double complex a, double complex b) 
     return real + I * (creal(a) * cimag(b) + cimag(a) * creal(b));
 }
 
-static double complex root_of(double complex z) {
+static ALWAYS_INLINE double complex root_of(double complex z) {
     double x = creal(z), y = cimag(z), larger = sqrt(0.5 * (size_of(x, y) + fabs(x)));
     double smaller = larger > 0.0 ? 0.5 * y / larger : 0.0;
     return x >= 0.0 ? larger + I * smaller : fabs(smaller) + I * copysign(larger, y);
 }
 
-/* Where |w| along an arc's image is singular, in 2 s - 1: the complex zeros of w, a quadratic. */
+/* Where |w| along an arc's image is singular, in x = 2 s - 1: the complex zeros of w, a quadratic.
+   Returns how many of them may lie within `reach` of the middle; none where the quadratic's level
+   outweighs its other terms that far. */
 enum { ZEROS = 2 };
-static ALWAYS_INLINE void zeros_of(double weight, const double *a, const double *c,
-                                   const double *b, double complex *zeros) {
+static ALWAYS_INLINE int zeros_of(double weight, const double *a, const double *c, const double *b,
+                                  double reach, double complex *zeros) {
     double complex first = a[X] + I * a[Y], last = b[X] + I * b[Y];
-    double complex half = weight * c[X] + I * (weight * c[Y]);
-    /* in t = s / (1 - s): last t^2 + 2 half t + first = 0, 2 s - 1 = (t - 1) / (t + 1) */
-    double complex root = root_of(product(half, half) - product(first, last));
+    double complex both = first + last, twice = 2.0 * weight * c[X] + I * (2.0 * weight * c[Y]);
+    /* square x^2 + 2 half x + level */
+    double complex square = both - twice, half = last - first, level = both + twice;
+    if (size(level) > reach * (2.0 * size(half) + reach * size(square))) return 0;
+    double complex root = root_of(product(half, half) - product(square, level));
     int same = creal(half) * creal(root) + cimag(half) * cimag(root) >= 0.0;
     double complex down = same ? -half - root : root - half;
-    zeros[0] = quotient(down - last, down + last);
-    zeros[1] = quotient(first - down, first + down);
+    zeros[0] = quotient(down, square);
+    zeros[1] = quotient(level, down);
+    return ZEROS;
 }
 
 /* The first of Gauss's rules that serves a panel of an arc, low to high in 2 s - 1, beside the
    zeros of w, from the one that its poles ask for. */
-static int panel_rule(int rule, const double complex *zeros, double low, double high, int digits) {
+static int panel_rule(int rule, int zero_count, const double complex *zeros, double low,
+                      double high, int digits) {
     double middle = 0.5 * (low + high), scale = 2.0 / (high - low);
-    for (int k = 0; k < ZEROS; ++k) {
+    for (int k = 0; k < zero_count; ++k) {
         double x = (creal(zeros[k]) - middle) * scale, y = cimag(zeros[k]) * scale;
         double axis = 0.5 * (size_of(x - 1.0, y) + size_of(x + 1.0, y));
         while (rule < BOUNDARY_RULE_COUNT && axis < BOUNDARY_REACH[digits][rule]) ++rule;
@@ -165,13 +171,13 @@ static void move_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
 
 /* Panels are halved towards what is singular; the poles' half axis grows at least by its distance
    from 1. */
-static void add_panels(Cones *c, const Sweep *sweep, double axis, const double complex *zeros,
-                       double low, double high) {
-    int rule = panel_rule(arc_rule(axis, c->digits), zeros, low, high, c->digits);
+static void add_panels(Cones *c, const Sweep *sweep, double axis, int zero_count,
+                       const double complex *zeros, double low, double high) {
+    int rule = panel_rule(arc_rule(axis, c->digits), zero_count, zeros, low, high, c->digits);
     double middle = 0.5 * (low + high);
     if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
-        add_panels(c, sweep, 2.0 * axis - 1.0, zeros, low, middle);
-        add_panels(c, sweep, 2.0 * axis - 1.0, zeros, middle, high);
+        add_panels(c, sweep, 2.0 * axis - 1.0, zero_count, zeros, low, middle);
+        add_panels(c, sweep, 2.0 * axis - 1.0, zero_count, zeros, middle, high);
         return;
     }
     Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
@@ -180,22 +186,24 @@ static void add_panels(Cones *c, const Sweep *sweep, double axis, const double c
 }
 
 static void add_arc_of(Cones *c, const Arc *arc) {
+    int rule = arc_rule(arc->axis, c->digits);
     if (!c->is_far) {
         const double *from[] = {arc->a, arc->c, arc->b}, *v = c->f->twist;
         double complex zeros[ZEROS];
         double at[3][2];
         for (int i = 0; i < 3; ++i) velocity_at(&c->frame, from[i], at[i]);
-        zeros_of(arc->weight, at[0], at[1], at[2], zeros);
+        int least = rule < BOUNDARY_RULE_COUNT ? rule : BOUNDARY_RULE_COUNT - 1;
+        double reach = BOUNDARY_REACH[c->digits][least];
+        int zero_count = zeros_of(arc->weight, at[0], at[1], at[2], reach, zeros);
         /* w is summed in its own plane; how it moves, off the centre of rotation */
         for (int i = 0; i < 3 && c->f->toward; ++i) {
             at[i][X] = from[i][X] + v[VY] / v[OMEGA];
             at[i][Y] = from[i][Y] - v[VX] / v[OMEGA];
         }
         Sweep sweep = sweep_of(arc->weight, at[0], at[1], at[2]);
-        add_panels(c, &sweep, arc->axis, zeros, -1.0, 1.0);
+        add_panels(c, &sweep, arc->axis, zero_count, zeros, -1.0, 1.0);
         return;
     }
-    int rule = arc_rule(arc->axis, c->digits);
     if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
     Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
     Panel whole = {0.0, 1.0, rule};

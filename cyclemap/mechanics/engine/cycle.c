@@ -160,7 +160,8 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
                      - (by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
                         + by_radius[c] * wider);
         by[POSE_THETA] = now[THETA];
-        /* a point skips the arc that every thicker rod goes around, and is no shaft in a wedge */
+        /* a point skips the arc that every thicker rod goes around, and is no shaft in a wedge:
+           thin rods tell that derivative (cycle_batch.py) */
         int is_point = loop->object.radius == 0.0;
         if (wider != 0.0 && is_point && (r.is_wedged || m.piece != first || at_corner))
             by[POSE_X] = by[POSE_Y] = by[POSE_THETA] = NAN;

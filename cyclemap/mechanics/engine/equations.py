@@ -282,12 +282,12 @@ def _about_rotation(twist: ca.SX, matrix: ca.SX, pressure: ca.SX) -> ca.SX:
     r = r_c + B^-1 w with B = omega M J, r_c the centre of rotation.
     """
     v, m, p = TWIST.of(twist), MATRIX.of(matrix), QUADRATIC.of(pressure)
-    x, y = -v.vy / v.omega, v.vx / v.omega
+    slowness, shrinks = 1 / v.omega, 1 / (v.omega * _det(matrix))
+    x, y = -v.vy * slowness, v.vx * slowness
     gx = p.slope_x + 2 * (p.xx * x + p.xy * y)
     gy = p.slope_y + 2 * (p.xy * x + p.yy * y)
     level = p.level + x * (p.slope_x + p.xx * x + 2 * p.xy * y) + y * (p.slope_y + p.yy * y)
-    spread = v.omega * _det(matrix)
-    (ax, ay), (bx, by) = (-m.yx / spread, -m.yy / spread), (m.xx / spread, m.xy / spread)
+    (ax, ay), (bx, by) = (-m.yx * shrinks, -m.yy * shrinks), (m.xx * shrinks, m.xy * shrinks)
     # B^-1 = ((ax, bx), (ay, by))
     mixed = p.xx * ax * bx + p.xy * (ax * by + ay * bx) + p.yy * ay * by
     image = (
@@ -296,7 +296,7 @@ def _about_rotation(twist: ca.SX, matrix: ca.SX, pressure: ca.SX) -> ca.SX:
         mixed,
         p.xx * bx * bx + 2 * p.xy * bx * by + p.yy * by * by,
     )
-    return ca.vertcat(*image) / (v.omega * spread)
+    return ca.vertcat(*image) * (slowness * shrinks)
 
 
 def _pressed_side(side: _Side, quadratic: ca.SX) -> list[ca.SX]:
@@ -322,7 +322,7 @@ def _pressed_side(side: _Side, quadratic: ca.SX) -> list[ca.SX]:
         return even, first[1] * b + second[1] * c, second[2] * c
 
     s0, s1, t0, t1 = side.s0, side.s1, side.start, side.end
-    cube = side.rise * (s0 * s0 + s0 * s1 + s1 * s1) / 3
+    cube = side.rise * (s0 * s0 + s0 * s1 + s1 * s1) * (1 / 3)
     # Integrals of t^k s, t^k / s and t^k / s^3 along the side.
     fourth = (t1 * s1**3 - t0 * s0**3) / 4 - square * side.length / 4
     over = (side.angle, side.rise, side.moment, cube - square * side.rise)

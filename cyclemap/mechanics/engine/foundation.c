@@ -217,20 +217,20 @@ static double zero_between(double (*of)(const Around *, double, double), const A
     return 0.5 * (low + high);
 }
 
-static double axis_of(double weight);
-
 static void put_arc(Pressed *at, const Arc *arc) {
-    if (at->arc_count < MOST_ARCS) {
-        at->arcs[at->arc_count] = *arc;
-        at->arcs[at->arc_count].axis = axis_of(arc->weight);
-    }
+    if (at->arc_count < MOST_ARCS) at->arcs[at->arc_count] = *arc;
     ++at->arc_count;
+}
+
+/* Its poles, in 2 s - 1, are on the imaginary axis, of a hyperbola on the real one. */
+static double axis_of(double weight) {
+    return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
 }
 
 /* Arcs of an ellipse's rim. */
 static void add_rims(Pressed *at, const double *semi, double from, double to) {
     int count = (int)ceil((to - from) / WIDEST_RIM);
-    double half = 0.5 * (to - from) / count, weight = cos(half);
+    double half = 0.5 * (to - from) / count, weight = cos(half), axis = axis_of(weight);
     for (int i = 0; i < count; ++i) {
         double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
         Arc arc = {
@@ -238,6 +238,7 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
             .b = {semi[X] * cos(high), semi[Y] * sin(high)},
             .c = {semi[X] * cos(middle) / weight, semi[Y] * sin(middle) / weight},
             .weight = weight,
+            .axis = axis,
         };
         put_arc(at, &arc);
     }
@@ -310,11 +311,6 @@ static ALWAYS_INLINE void arc_at(const Sweep *arc, Lanes s, Lanes share, Boundar
     at->cross = share * cross * (down * down);
 }
 
-/* Its poles, in 2 s - 1, are on the imaginary axis, of a hyperbola on the real one. */
-static double axis_of(double weight) {
-    return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
-}
-
 /* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle,
    is that of the arc. */
 static void add_arc(Pressed *at, const double *a, const double *b) {
@@ -342,15 +338,18 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
         .c = {a[X] + cx, a[Y] + cy},
         .weight = sqrt(fabs(0.25 * bulge / bent)),
     };
-    if (axis_of(whole.weight) >= LEAST_AXIS) {
-        put_arc(at, &whole);
-        return;
-    }
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
     double weight = whole.weight;
-    for (; halvings < MOST_HALVINGS && axis_of(weight) < LEAST_AXIS; ++halvings)
+    whole.axis = axis_of(weight);
+    for (; halvings < MOST_HALVINGS && whole.axis < LEAST_AXIS; ++halvings) {
         weight = sqrt(0.5 * (1.0 + weight));
+        whole.axis = axis_of(weight);
+    }
+    if (!halvings) {
+        put_arc(at, &whole);
+        return;
+    }
     for (int i = 0; i < 1 << halvings; ++i) {
         Arc arc = whole;
         for (int level = halvings - 1; level >= 0; --level) {

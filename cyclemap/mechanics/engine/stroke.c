@@ -370,7 +370,8 @@ static int run_leg(Stroke *r, Motion *m, double *state, double length, double *t
         found = vanishes(torque_at, &s, 0.0, m->z + SPIN);
     }
     if (found >= 0) found = integrate(r, m, state, length, &h, travel, last);
-    if (found == UNSOLVED && r->friction > 0.0) return RING_STOPS;
+    /* where the spin has ended, what is left is that the ring holds the object */
+    if (found == UNSOLVED && ring_mode(r, m, state) == RING_STUCK) return RING_STOPS;
     if (found != NOTHING) return found;
     return SIGN[m->mode] * m->z[SPIN] < -TURNS_BACK ? RING_STOPS : DISTANCE;
 }

@@ -10,12 +10,12 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, run_cycles
-from cyclemap.collection.portrait_curves import placed
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
+from cyclemap.protocol.strategy import CycleAction, ResetStrategy
 from cyclemap.resets.design.material_range import on_material
-from cyclemap.resets.design.strategy import CycleAction, ResetStrategy
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5

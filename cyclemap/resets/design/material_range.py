@@ -5,19 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import plate_footprint
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.mechanics.plate_footprint import plate_footprint
 
 AXES, OFFSETS = 0.10, 0.50
-# Samples of a posterior, every second of which a reset is searched on.
-POSTERIOR_SAMPLES = 24
+# Samples of a posterior that a reset is searched on, and others that it is judged on: the fewest of which the worst is
+# worse than 95 % of the posterior, as surely (.95^59 < .05).
+SEARCHED_SAMPLES, JUDGED_SAMPLES = 12, 59
+# What is promised of a posterior: this share of it, as surely.
+PROMISED = 0.95
 # Materials inside the range that what is found is tried on besides the corners.
 TRIED_INSIDE = 4
 
@@ -28,13 +33,15 @@ class MaterialRange:
 
     nominal : the first. others : with it, those that a reset is searched on. told : in words, where they came from.
     tried : those that what is found is tried on besides; None: four between the others, weighted means of three drawn
-    ones, the same each time.
+    ones, the same each time. sampled : whether those tried are samples, each as likely as another, of what nobody knows
+    better: what is told of the worst then holds for 95 % of all that they stand for, else for all materials.
     """
 
     nominal: Material
     others: tuple[Material, ...]
     told: str = ""
     tried: tuple[Material, ...] | None = None
+    sampled: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "others", tuple(self.others))
@@ -54,13 +61,49 @@ class MaterialRange:
         """All of them, the nominal one first."""
         return (*self.searched, *(self.tried or ()))
 
+    def worst(self, values: Array) -> int:
+        """Return which of `materials` has the worst of their values (n,), of each how far it leaves uniform.
+
+        Of a range that is sampled: an order statistic of those tried, below which 95 % of all that they are samples of
+        lie with the `confidence` of 95 % (S. S. Wilks, Annals of Mathematical Statistics 12 (1941), 91-96); where they
+        are too few for that, the largest of all.
+        """
+        rank = _safe_rank(len(self.tried or ())) if self.sampled else 0
+        if not rank:
+            return int(np.argmax(values))
+        first = len(self.searched)
+        return first + int(np.argsort(values[first:], kind="stable")[rank - 1])
+
+    @property
+    def share(self) -> float:
+        """Of what the range stands for, the share that is no worse than its `worst`."""
+        return PROMISED if self.sampled else 1.0
+
+    @property
+    def confidence(self) -> float:
+        """How surely that share is no worse, over draws of the samples that were tried."""
+        from scipy.stats import binom
+
+        count = len(self.tried or ())
+        return float(binom.cdf((_safe_rank(count) or count) - 1, count, PROMISED)) if self.sampled else 1.0
+
+
+@cache
+def _safe_rank(count: int) -> int:
+    """The least rank of so many values above which the 95th percentile lies in at most 5 % of all draws; 0: none."""
+    from scipy.stats import binom
+
+    rank = int(binom.ppf(PROMISED, count, PROMISED)) + 1
+    return rank if rank <= count else 0
+
 
 def material_range(material: Material, axes: float | None = None, offsets: float | None = None) -> MaterialRange:
     """Return the nominal material with samples of its posterior, where it has one, else with the corners of a range.
 
-    The samples are 24 (or as many as there are) evenly spaced through the posterior, of one that wears at times evenly
-    spaced through its wear. Corners are made where `axes` or `offsets` is given, too; of a surface that wears the worn
-    one is among them. Its direction needs no corners: turning it turns the law of the orientations, and no more.
+    It is searched on 12 samples, evenly spaced through the posterior, and tried on 59 others (or as many as there are),
+    of one that wears at times evenly spaced through its wear. Corners are made where `axes` or `offsets` is given, too;
+    of a surface that wears the worn one is among them. Its direction needs no corners: turning it turns the law of the
+    orientations, and no more.
 
     axes : share by which one half axis may be longer or shorter against the other, in [0, 1), None: 0.1. The ratio runs
     from nominal / (1 + axes) to nominal (1 + axes); their geometric mean, on which no quasi-static motion depends, is
@@ -101,16 +144,19 @@ def material_range(material: Material, axes: float | None = None, offsets: float
 def _posterior_range(material: Material) -> MaterialRange:
     assert material.posterior is not None
     count = len(material.posterior)
-    rows = np.unique(np.linspace(0, count - 1, min(POSTERIOR_SAMPLES, count)).round().astype(int)).tolist()
+    rows = np.unique(np.linspace(0, count - 1, min(SEARCHED_SAMPLES + JUDGED_SAMPLES, count)).round().astype(int))
     samples = []
-    for place, row in enumerate(rows):
+    for place, row in enumerate(rows.tolist()):
         one = material.sample(row)
         worn = 0.0 if one.wear is None else one.wear.cycles * place / max(len(rows) - 1, 1)
         name = f"{material.name} (sample {row} of its posterior)"
         samples.append(replace(one, name=name, friction=one.friction_after(worn), wear=None))
+    chosen = np.linspace(0, len(rows) - 1, min(SEARCHED_SAMPLES, -(-len(rows) // 2))).round().astype(int).tolist()
+    others = tuple(samples[place] for place in chosen)
+    tried = tuple(one for place, one in enumerate(samples) if place not in chosen)
     told = f"{len(rows)} of the {count} samples of its posterior{'' if material.wear is None else ', fresh to worn'}"
     nominal = replace(material, wear=None, posterior=None)
-    return MaterialRange(nominal, tuple(samples[::2]), told, tuple(samples[1::2]))
+    return MaterialRange(nominal, others, told, tried, sampled=True)
 
 
 def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:

@@ -17,7 +17,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.resets.design.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
+from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 
 # Orientations at which densities are compared with uniform, and starts of which the worst is taken.
 DENSITY_SAMPLES, STARTS = 360, 72
@@ -105,7 +105,7 @@ def orientation_law(
 
     Raises InvalidInput for a shuffled order with too many different sets of actions on the way through a block.
 
-    >>> from cyclemap.resets.design.strategy import CycleAction
+    >>> from cyclemap.protocol.strategy import CycleAction
     >>> even = orientation_law(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5)
     >>> round(even.total_variation, 9), even.after < 0.01
     (0.0, True)
@@ -132,7 +132,7 @@ def orientation_law(
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
     """Return |lambda|, by which the slowest departure from the long run falls a push, with so many Fourier modes.
 
-    >>> from cyclemap.resets.design.strategy import CycleAction
+    >>> from cyclemap.protocol.strategy import CycleAction
     >>> round(slowest_factor(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5), 4)
     0.8825
     """

@@ -14,12 +14,14 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
+from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
 from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, room_needed, sample_turns, seconds
 from cyclemap.resets.design.material_range import MaterialRange, material_range
 from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
 from cyclemap.resets.design.reset_ranking import (
     AFTER,
     AS_IT_IS,
+    CHOSEN,
     CONTACT,
     CONTACTS,
     DRAG,
@@ -27,6 +29,7 @@ from cyclemap.resets.design.reset_ranking import (
     GIVEN,
     OWN,
     REACH,
+    RESET,
     SECONDS,
     SIMPLEST,
     TV,
@@ -38,12 +41,7 @@ from cyclemap.resets.design.reset_ranking import (
     picked,
 )
 from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
-from cyclemap.resets.design.strategy import (
-    IN_TURN,
-    RANDOM,
-    RING,
-    SHUFFLED,
-    ResetStrategy,
+from cyclemap.resets.design.strategy_run import (
     histogram_distances,
     histogram_shares,
     independent_distance,
@@ -59,6 +57,8 @@ _SAMPLES, _REFINED = 48, 720
 _ENOUGH_MODES = 96
 # Collections simulated for a histogram, and cycles of them all at most.
 _RUNS, _MOST_SIMULATED = 200, 4_000_000
+# Those by which the material is found where a histogram is worst.
+_ROUGH_RUNS = 20
 _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
 
 
@@ -67,9 +67,11 @@ class ResetRow:
     """A strategy with what it leaves and costs.
 
     roles : why it is told. nominal : law on the nominal material. worst, worst_after : total variations at the worst of
-    the materials, each; worst_material : of the latter. drag, room, contact : m. seconds : of a cycle. histogram :
-    (2,), mean and standard deviation over 200 runs of the histogram distance of the pushes to be collected, nominal;
-    worst_histogram : the same at the worst material. misses : demands missed. lacking : abilities.
+    the materials, each, as `MaterialRange.worst` takes it; worst_material : of the latter. drag, room, contact : m.
+    seconds : of a cycle. histogram : (2,), mean and standard deviation over 200 runs of the histogram distance of the
+    pushes to be collected, nominal; worst_histogram : the same where that is worst. misses : demands missed; a
+    histogram that lies no further from uniform at worst than that of independent pushes misses none about uniformity.
+    lacking : abilities.
     """
 
     roles: tuple[str, ...]
@@ -92,8 +94,8 @@ class ResetRow:
 class ResetDesign:
     """The answer of `design_reset`.
 
-    rows : the chosen one first, as it is last, seven at most. met : whether the chosen one meets every demand.
-    binding : where not, what the demands it misses could be at least. about : the range.
+    rows : the chosen one first, as it is last where it is not chosen, seven at most. met : whether the chosen one meets
+    every demand. binding : where not, what the demands it misses could be at least. about : the range.
     independent : mean histogram distance of independent uniform pushes. orders : histogram distance of the chosen
     actions by order, and "steered" by the monitor.
     ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the chosen row and of the
@@ -120,6 +122,11 @@ class ResetDesign:
         """The first row."""
         return self.rows[0]
 
+    @property
+    def own(self) -> ResetRow:
+        """The row of the loop as it is."""
+        return next(row for row in self.rows if AS_IT_IS in row.roles)
+
 
 def design_reset(
     loop: CollectionLoop,
@@ -137,7 +144,8 @@ def design_reset(
     dragged back by a leg in a random direction, or followed by a gripper's turn; the ring elsewhere, where the robot
     can put it there. Those whose total variations differ by less than a fifth of `independent_distance` are equally
     uniform: `demands.pushes` pushes cannot tell them apart. Of those the cheapest (time) within 5 %, of those the one
-    of the fewest actions, equal weights, and pushes most like the loop's own.
+    of the fewest actions, equal weights, and pushes most like the loop's own. Where the loop as it is leaves, at the
+    worst of the range, a histogram of `demands.pushes` pushes nearer to uniform than that, it is left as it is.
 
     Parameters
     ----------
@@ -165,7 +173,7 @@ def design_reset(
         best = picks[0][1]
         turns = sample_turns(best.prepared(nominal), best.actions, about.materials, _SAMPLES).refined(_REFINED)
         laws = [orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns]
-        if all(law.total_variation <= wanted.allow_tv and law.after <= wanted.allow_after for law in laws):
+        if _worst(about, laws, TV)[0] <= wanted.allow_tv and _worst(about, laws, AFTER)[0] <= wanted.allow_after:
             break
     roles: dict[ResetStrategy, list[str]] = {}
     for role, strategy in (*picks, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
@@ -174,6 +182,7 @@ def design_reset(
         # One's own strategy is told in place of what a gripper could do.
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
     rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
+    binding = binding if rows[0].misses else ()
     return ResetDesign(
         loop, sigma, wanted, about, rows, not binding and not rows[0].misses, binding,
         independent_distance(wanted.pushes), **course,
@@ -221,7 +230,12 @@ def _assessed(
     for strategy, told in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
         rows.append(_row(loop, strategy, told, cycles[strategy], limits, demands, about, sigma, seed))
-    chosen, own = rows[0].strategy, rows[-1].strategy
+    own = next(row for row in rows if AS_IT_IS in row.roles)
+    if own is not rows[0] and not own.misses and own.worst_histogram[0] <= rows[0].worst_histogram[0]:
+        best = tuple(role for role in rows[0].roles if role != CHOSEN) or (RESET,)
+        leave = replace(own, roles=(CHOSEN, *own.roles))
+        rows = [leave, replace(rows[0], roles=best), *(row for row in rows[1:] if row is not own)]
+    chosen = rows[0].strategy
     compared = [chosen, *(row.strategy for row in rows[1:] if SIMPLEST in row.roles)]
     # The ratio of the axes off by a share, their geometric mean kept.
     law, roots = about.nominal.friction, np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
@@ -232,7 +246,8 @@ def _assessed(
         turns = sample_turns(one.prepared(loop), one.actions, stretched, _SAMPLES).refined(_REFINED)
         curves.append([orientation_law(turn, one, sigma, 1).total_variation for turn in turns])
     before, after = (
-        _histograms(cycles[one].refined(_REFINED)[0], one, demands.pushes, sigma, seed) for one in (own, chosen)
+        _histograms(cycles[one].refined(_REFINED)[0], one, demands.pushes, sigma, seed)
+        for one in (own.strategy, chosen)
     )
     return tuple(rows), {
         "orders": _by_order(cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, sigma, seed),
@@ -258,7 +273,7 @@ def _row(
     nominal = orientation_law(turns[0], strategy, sigma, demands.within)
     modes = min(nominal.modes, _ENOUGH_MODES)
     laws = [nominal, *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:])]
-    worst = int(np.argmax([law.after + law.total_variation for law in laws]))
+    (worst, _), (worst_after, where) = (_worst(about, laws, of) for of in (TV, AFTER))
     lengths, pushes = cycles.drag_length[0], [(action.push or loop.push).distance for action in strategy.actions]
     drag = float(strategy.shares @ lengths)
     turned = np.array([action.turn != 0.0 for action in strategy.actions])
@@ -267,26 +282,38 @@ def _row(
     room = max(room_needed(prepared, action) for action in actions)
     contact = float(contact_lengths(prepared, list(actions)).min())
     values = {
-        TV: max(law.total_variation for law in laws), AFTER: max(law.after for law in laws),
+        TV: worst, AFTER: worst_after,
         DRAG: drag, SECONDS: time, REACH: room, CONTACT: contact,
     }  # fmt: skip
     # Contact is demanded at least, all else at most.
     sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}
-    misses = tuple(name for name, limit in limits.items() if sign[name] * (values[name] - limit) > 0.0)
+    rough = [_histograms(turn, strategy, demands.pushes, sigma, seed, _ROUGH_RUNS) for turn in turns]
+    peak = about.worst(np.array([histogram_distances(shares).mean() for shares in rough]))
     spread = []
-    for material in (0, worst):
+    for material in (0, peak):
         found = histogram_distances(_histograms(turns[material], strategy, demands.pushes, sigma, seed))
         spread.append((float(found.mean()), float(found.std(ddof=1))))
+    unseen = (TV, AFTER) if spread[1][0] <= independent_distance(demands.pushes) else ()
+    misses = tuple(
+        name for name, limit in limits.items() if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
+    )
     lacking = tuple(need for need in strategy.needs if need not in demands.abilities)
     return ResetRow(
-        tuple(roles), strategy, nominal, values[TV], values[AFTER], about.materials[worst], drag, time, room, contact,
+        tuple(roles), strategy, nominal, values[TV], values[AFTER], about.materials[where], drag, time, room, contact,
         spread[0], spread[1], misses, lacking,
     )  # fmt: skip
 
 
-def _histograms(turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int) -> Array:
+def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tuple[float, int]:
+    """The worst total variation of laws on all materials, and of which it is."""
+    values = np.array([law.total_variation if of == TV else law.after for law in laws])
+    where = about.worst(values)
+    return float(values[where]), where
+
+
+def _histograms(turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int, most: int = _RUNS) -> Array:
     """The histograms (runs, 36) of simulated collections."""
-    runs = max(2, min(_RUNS, _MOST_SIMULATED // pushes))
+    runs = max(2, min(most, _MOST_SIMULATED // pushes))
     return histogram_shares(sampled_orientations(turn, strategy, pushes, runs, sigma, seed))
 
 

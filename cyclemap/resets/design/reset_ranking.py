@@ -13,14 +13,17 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy
 from cyclemap.resets.design.action_cycles import room_needed, seconds
 from cyclemap.resets.design.reset_search import Candidates
-from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy, independent_distance
+from cyclemap.resets.design.strategy_run import independent_distance
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
 CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "most uniform", "cheapest"
 WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back only", "with a gripper", "yours", "as it is"
+# The best of the resets where the loop is left as it is.
+RESET = "best reset"
 # Pushes of a collection that is simulated for its histogram.
 MOST_PUSHES = 10_000
 # The loop as it is.

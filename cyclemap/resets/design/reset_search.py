@@ -15,10 +15,10 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import Material, Polygon
+from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy, gripper_turns, legs
 from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
 from cyclemap.resets.design.material_range import MaterialRange
 from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, total_variation
-from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy, gripper_turns, legs
 
 FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
 # Slants (rad) of pushes that are looked at first, and where those do not do.

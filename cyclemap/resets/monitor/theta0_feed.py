@@ -43,10 +43,7 @@ def theta0_feed(
     path: str | Path,
     columns: Mapping[str, str] | None = None,
     units: Sequence[str] = (),
-    *,
-    angles: str | None = None,
-    frame: str | None = None,
-    offset_deg: float | None = None,
+    convention: Convention | None = None,
 ) -> Theta0Feed:
     """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
 
@@ -54,10 +51,10 @@ def theta0_feed(
     pushes; ``finished``: nothing more is being written.
 
     columns, units : of a table of one's own, as `read_own_table` takes them; other data are told by themselves.
-    angles, frame, offset_deg : of all data, as it takes them, too; orientations alone cannot tell them.
+    convention : of the angles, None: what a collection.toml with the data says; orientations alone cannot tell it.
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
-    place, convention = Path(path), convention_of(path, angles, frame, offset_deg)
+    place, convention = Path(path), convention or convention_of(path)
     if columns or units or is_own(place):
         return OwnTableFeed(place, columns or {}, units, convention)
     if _has_poses_in_radians(place):

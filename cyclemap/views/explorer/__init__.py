@@ -1,1 +1,1 @@
-"""The explorer: a local page with sliders, and what it asks of the rooms; report and explorer share the drawing."""
+"""Explorer and report: one page that carries the engine with it, and computes in the browser."""

@@ -1,4 +1,4 @@
-// What explorer and report draw alike: five panels for one answer, and a moment of the loop in two of them.
+// Five panels for one answer, and a moment of the loop in two of them.
 
 const degrees = [0, 60, 120, 180, 240, 300, 360];
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -67,7 +67,7 @@ function line(u, points, style, width, dash = []) {
   ctx.setLineDash([]);
 }
 
-export class Panels {
+class Panels {
   constructor(root) {
     this.answer = this.before = this.measured = null;
     this.moment = { cycle: 0, part: 0 };
@@ -110,7 +110,7 @@ export class Panels {
     const { every, turns } = answer.staircase;
     const same = before && before.staircase.every === every;
     this.staircase.setData([turns.map((_, i) => i * every), turns.map((_, i) => (same ? before.staircase.turns[i] ?? null : null)), turns]);
-    this.turn.caption.textContent = `Turn of one cycle; filled points attract, hollow ones repel${answer.may_lie.length ? "; shaded: where they may lie" : ""}${kept}${laid}`;
+    this.turn.caption.textContent = `Turn of one cycle; filled points attract, hollow ones repel${answer.may_lie.length ? "; shaded: where the stable one may lie, for what is known of this floor" : ""}${kept}${laid}`;
     this.staircase.caption.textContent = `Staircase: θ0 over the pushes, with noise${kept}${measured && measured.staircase ? laid : ""}`;
     this.fit();
     this.at(Math.min(this.moment.cycle, answer.courses.length - 1), this.moment.part);
@@ -297,6 +297,6 @@ export class Panels {
     const [from, to] = [push[0], push[push.length - 1]].map((frame) => frame.slice(3));
     const towards = (Math.atan2(to[1] - from[1], to[0] - from[0]) * 180) / Math.PI;
     this.objectCaption.textContent = `Cycle ${cycle + 1}, ${part < 0.5 ? "push" : "drag back"}: orientation ` +
-      `${minus(wrap(push[0][2]), 1)}°, pushed towards ${minus(towards, 1)}°. Rod: solid while it pushes, dashed while it drags.`;
+      `${minus(wrap(push[0][2]), 1)}°, pushed towards ${minus(towards, 1)}°. The rod’s way is solid while it pushes, dashed while it drags. Drag ring, rod or arrow to move them.`;
   }
 }

@@ -11,6 +11,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import mean_error, pooled_quantities, push_agreements, within_error
 from cyclemap.mechanics import MaterialPosterior
+from cyclemap.protocol import loop_from_settings
 
 THETA = np.linspace(0.1, 6.1, 12)
 
@@ -49,7 +50,7 @@ def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(loop, 
 
 def test_place_direction_length_and_object_of_a_push_are_the_datas(loop, written) -> None:
     other = replace(loop, push=replace(loop.push, fraction=0.6, angle=0.2, distance=0.05))
-    hexagon = CollectionLoop.from_settings({"shape": "hex"}, loop)
+    hexagon = loop_from_settings({"shape": "hex"}, loop)
     rows = own_pushes(loop, THETA) + own_pushes(other, THETA[:5], s=0.6, t=0.2, push_mm=50)
     rows += own_pushes(hexagon, THETA[:4], shape="hex") + own_pushes(loop, THETA[:3], shape="teapot")
     for given in (loop, other, hexagon):
@@ -112,6 +113,19 @@ def test_the_error_of_a_mean_allows_for_correlation() -> None:
     assert mean_error(independent) == pytest.approx(1 / np.sqrt(4000), rel=0.25)
     assert mean_error(np.repeat(independent[:400], 10)) == pytest.approx(1 / np.sqrt(400), rel=0.25)
     assert mean_error(independent[:2]) is None and within_error(0.1, None, 2) is None
+
+
+def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_few_and_correlated_the_values() -> None:
+    """Seeds 0 to 599; the error's own uncertainty counts: with 1.96 errors it would be refused in one case in eight."""
+    for count, correlation in ((20, 0.0), (40, 0.4)):
+        random, refused_ones = np.random.default_rng(count), 0
+        for _ in range(600):
+            values = random.standard_normal(count + 50)
+            for place in range(1, values.size):
+                values[place] = correlation * values[place - 1] + np.sqrt(1 - correlation**2) * values[place]
+            values = values[50:]
+            refused_ones += not within_error(float(values.mean()), mean_error(values), count)
+        assert 0.03 < refused_ones / 600 < 0.085
 
 
 def test_data_that_leave_nothing_are_refused(loop, written) -> None:

@@ -9,12 +9,13 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import first_contact
 from cyclemap.evidence import RecordingNoise, SurfaceParameters, collected_blocks, identify, simulate_collection
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, Pose, SidePush, load_material
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol import loop_from_settings
 
 pytestmark = pytest.mark.slow
 
@@ -242,7 +243,7 @@ def test_a_material_to_start_from_is_where_every_search_begins() -> None:
     assert space["offset_x"].start == space["offset_x"].nominal == wanted
     assert space["pusher_friction"].start == 0.3
     assert space["plate_dome"].nominal == space["plate_dome"].start == 0.0
-    refused(starting_space, CollectionLoop.from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint")
+    refused(starting_space, loop_from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint")
 
 
 def test_files_that_tell_the_same_are_counted(tmp_path) -> None:

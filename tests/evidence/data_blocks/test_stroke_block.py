@@ -15,6 +15,7 @@ from cyclemap.evidence import (
     SurfaceParameters,
     cycle_pair_block,
     drag_turn_block,
+    identify,
     push_end_block,
 )
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, loop_on, predicted_push_ends, surface_model
@@ -151,12 +152,27 @@ def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothin
     inside = MeasuredPush(Pose(), Pose(), (-0.018, 0.0495), (-0.018, -0.0005))
     whole = model.push(Pose(), WorldPush((-0.018, 0.06), -math.pi / 2.0, 0.0605)).end
     missing = MeasuredPush(Pose(), Pose(), (0.2, 0.2), (0.2, 0.3))
-    ends, by_shift = predicted_push_ends(model, [inside, missing])
+    ends, by_shift, stayed = predicted_push_ends(model, [inside, missing])
+    assert stayed.tolist() == [False, True]
     assert ends[0, 2] == pytest.approx(whole.theta, abs=1e-4)
     assert not ends[1].any() and not by_shift[1].any() and by_shift[0].any()
     assert not predicted_push_ends(model, [missing])[0].any()
     deep = replace(inside, tip_start=(0.0, 0.0), tip_end=(0.001, 0.0))
     refused(predicted_push_ends, model, [deep], told="deep inside")
+
+
+def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> None:
+    pushes = made_pushes(8)
+    missed = [replace(push, tip_start=(1.0, float(k)), tip_end=(1.1, float(k))) for k, push in enumerate(pushes[:2])]
+    held = {name: value for name, value in VALUES.items() if name != "pusher_friction"}
+    notes = []
+    for strokes in (pushes, [*pushes[2:], *missed]):
+        block = push_end_block(strokes, RECT1)
+        asked = {name: value for name, value in held.items() if name in block.parameters}
+        found = identify([block], ["pusher_friction"], asked, starts=1)
+        notes.append([note for note in found.notes if "leave" in note])
+    (note,) = notes[1]
+    assert notes[0] == [] and note.startswith("push ends: 2 of 8 are taken to leave the object where it was")
 
 
 def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:

@@ -125,3 +125,13 @@ def test_plates_speeds_and_files_tell_sessions_and_the_robot_tells_an_odd_one(tm
     (alone,) = collected_blocks([second], loop).blocks
     assert alone.name == "push ends" and "floor_dome" in alone.parameters
     assert len(collected_blocks([second], loop, population=True).blocks) == 2
+
+
+@pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
+def test_a_session_that_turns_its_plate_unlike_another_is_odd_where_its_robot_strayed_more(measured_data: Path) -> None:
+    chosen: dict[str, str | float] = {"surface": "plywood"}
+    paths = [measured_data / name for name in ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v20.csv")]
+    found = collected_blocks(paths, CollectionLoop.mit("isotropic"), chosen, most=8)
+    (odd,) = [note for note in found.notes if "odd session" in note]
+    # The mean turn over the same contacts is 10.3 degrees at 10 mm/s and 12.8 at 20, of other plates within a tenth.
+    assert odd.startswith("hex 10 mm/s") and "turns are 0.7" in odd and "1.0" in odd

@@ -41,6 +41,14 @@ def test_the_law_of_a_collection_is_that_of_its_first_image_at_first_and_the_sta
         assert np.abs(law.bin_probabilities(24) - CircularLaw(density).bin_probabilities(24)).max() < error
 
 
+def test_collections_of_two_samples_of_a_posterior_that_are_alike_have_noise_of_their_own() -> None:
+    """The same seed for both would make every other collection a copy."""
+    paths = CollectionModel(EARLY, KICKS, samples=(EARLY, EARLY, LATE)).paths(0.5, 40, 9, seed=3)
+    assert len({tuple(row) for row in paths.tolist()}) == 9
+    steps = np.diff(paths, axis=1) - (EARLY(paths[:, :-1]) - paths[:, :-1])
+    assert abs(np.corrcoef(steps[0], steps[1])[0, 1]) < 0.5
+
+
 def test_images_under_wear_are_those_of_each_cycles_own_map_from_any_first_cycle() -> None:
     model = CollectionModel(WORN, KICKS, first=30)
     paths = model.paths(0.2, 120, 3, seed=2)

@@ -9,11 +9,12 @@ from foreign_tables import CONVENTIONS, agrees, loop, thirty, truth
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.collection.own_object import first_contact
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
 from cyclemap.evidence.pushes.conventions import Convention
 from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
 from cyclemap.evidence.pushes.push_table import PushTable
+from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
+from cyclemap.mechanics.first_touch import first_contact
 
 pandas = pytest.importorskip("pandas")
 
@@ -97,24 +98,62 @@ def test_an_object_that_is_its_own_mirror_image_pushed_in_its_middle_is_not_refu
     assert "0 mm off" in words or "e-" in words
 
 
-def test_rods_places_tell_the_reading_where_no_contact_is_named(tmp_path) -> None:
-    """The L in the mirror: the rod would start inside it, or beside it."""
+def _with_rod(path, **columns) -> pandas.DataFrame:
+    """The L's pushes with the rod's places, and other columns; written as they are and in the mirror."""
     place, way = first_contact(loop().slider, loop().push, loop().pusher.radius)
     start, end = truth(5).start, truth(5).end
     c, s = np.cos(start[:, 2]), np.sin(start[:, 2])
-    tips = []
-    for x, y in (place, place + loop().push.distance * way):
-        tips += [start[:, 0] + c * x - s * y, start[:, 1] + s * x + c * y]
     poses = pandas.DataFrame(np.hstack([start, end]), columns=["x0", "y0", "th0", "x1", "y1", "th1"])
-    for number, name in enumerate(("tip_x0", "tip_y0", "tip_x1", "tip_y1")):
-        poses[name] = tips[number]
-    path = tmp_path / "tips.csv"
+    for number, (x, y) in enumerate((place, place + loop().push.distance * way)):
+        poses[f"tip_x{number}"] = start[:, 0] + c * x - s * y
+        poses[f"tip_y{number}"] = start[:, 1] + s * x + c * y
+    poses = poses.assign(**columns).iloc[:24]
     poses.to_csv(path, index=False)
-    assert check_pushes(cm.load_pushes(path), loop())
+    return poses
+
+
+# Contacts that nobody tells, and those of a logger that writes nought for what it does not know.
+@pytest.mark.parametrize("contacts", [{}, {"i": 0.0, "s": 0.0, "t": 0.0}], ids=["untold", "nought"])
+def test_rods_places_tell_the_reading_where_contacts_do_not(tmp_path, contacts) -> None:
+    """The L in the mirror: the rod would start inside it, or beside it. As it is, nothing is warned of."""
+    path = tmp_path / "tips.csv"
+    poses = _with_rod(path, **contacts)
+    (words,) = check_pushes(cm.load_pushes(path), loop())
+    assert ("passed over" in words) == bool(contacts)
+    assert float(words.partition("friction's, ")[2].split()[0]) < 10.0
     mirrored = poses.assign(**{name: -poses[name] for name in poses if "y" in name or "th" in name})
     mirrored.to_csv(path, index=False)
     told = "give --angles clockwise --frame mirrored"
     refused(check_pushes, cm.load_pushes(path), loop(), told=told, kind=OtherConvention)
+
+
+def test_contacts_that_are_right_tell_units_whatever_the_rods_places(tmp_path) -> None:
+    """Lengths ten times too long: places of rod and object agree with each other, and with no object of that size."""
+    path = tmp_path / "tips.csv"
+    push = {"i": 5.0, "s": 0.72, "t": 0.0}
+    poses = _with_rod(path, **push)
+    (words,) = check_pushes(cm.load_pushes(path), loop())
+    assert "passed over" not in words
+    poses.assign(**{name: 10.0 * poses[name] for name in poses if "x" in name or "y" in name}).to_csv(path, index=False)
+    refused(check_pushes, cm.load_pushes(path), loop(), told="lengths in ", kind=OtherConvention)
+
+
+def test_pushes_of_many_plates_anywhere_on_them_are_no_false_alarm(tmp_path) -> None:
+    """Rods' places of random pushes on a floor with axes 1.25 : 1, sides and fractions nought: no warning."""
+    friction, generator = EllipseFriction(0.30, 0.24, 0.01, 0.0, 0.4), np.random.default_rng(7)
+    rows = ["shape,v_mm_s,i,s,t,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1"]
+    for shape in ("rect1", "tri1", "hex"):
+        model = QuasiStaticModel(Slider.mit(shape), friction, Pusher(friction=0.15), None, 1e-6)
+        for theta, way, x, y in generator.uniform((-3, -3, -0.015, -0.015), (3, 3, 0.015, 0.015), (12, 4)):
+            start, along = Pose(0.3, 0.0, theta), np.array((math.cos(way), math.sin(way)))
+            first = np.array(start.to_world(x, y)) - 0.1 * along
+            end, last = model.push(start, WorldPush(tuple(first), way, 0.09)).end, first + 0.09 * along
+            poses = (start.x, start.y, theta, end.x, end.y, end.theta, *first, *last)
+            rows.append(f"{shape},10,0,0,0," + ",".join(map(repr, map(float, poses))))
+    path = tmp_path / "plates.csv"
+    path.write_text("\n".join(rows) + "\n")
+    (words,) = check_pushes(cm.load_pushes(path))
+    assert "3 objects" in words and "passed over" in words
 
 
 def test_a_zero_of_angles_anywhere_is_found(tmp_path) -> None:
@@ -141,7 +180,7 @@ def test_a_collection_file_says_it_for_all_data_beside_it(tmp_path) -> None:
     file.write_text(f'{file.read_text()}\n[data]\nangles = "clockwise"\nframe = "mirrored"\n')
     pushes = cm.load_pushes(path)
     assert agrees({key: pushes.table[key].to_numpy() for key in _NAMES}, table)
-    assert check_pushes(pushes, cm.CollectionLoop.from_file(file))
+    assert check_pushes(pushes, cm.protocol.loop_from_file(file))
     file.write_text(file.read_text().replace("mirrored", "mirorred"))
     refused(cm.load_pushes, path, told="did you mean 'mirrored'")
 

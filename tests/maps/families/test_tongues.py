@@ -9,6 +9,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
+from cyclemap.maps.families.tongues import unseen_height
 from tests.maps.known_maps import bumped, contraction, plateau, tent
 
 TWO_PI = 2 * np.pi
@@ -52,7 +53,7 @@ SOME = [(1, 2), (1, 3), (1, 4), (2, 5), (3, 8), (5, 13), (4, 21), (13, 34), (11,
 def test_edges_agree_with_the_extended_system_in_extended_precision(p, q):
     for K in (0.9, 1.0):
         found = tongue(arnold(K), (p, q), WIDE)
-        for edge, theta in ((found.left, found.left_theta), (found.right, found.right_theta)):
+        for edge, theta in ((found.left, found.left_orbit[0]), (found.right, found.right_orbit[0])):
             exact, residual = exact_edge(K, Fraction(p, q), edge, theta)
             assert residual < 1e-13
             assert abs(edge - exact) <= edge.error_bound < 1e-14
@@ -108,7 +109,7 @@ def test_a_bump_is_found_wherever_it_lies(width, height, slopes):
         family = bumped(place, width, height, slopes=slopes)
         found = tongue(family, 0, (-0.5, 0.6))
         assert found.left.holds(-height / TWO_PI)
-        assert abs(found.left_theta - place) < 1e-6 or height > 8e-4
+        assert abs(found.left_orbit[0] - place) < 1e-6 or height > 8e-4
         assert found.folded == (height > 8e-4)
         assert len(fixed_points(family(found.left + 1e-7))) == 2
         assert not fixed_points(family(found.left - 1e-7))
@@ -125,6 +126,30 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
     """Samples are added where they leave room: on the highest hump, far finer than the first ones."""
     family = bumped(1.5 * np.pi, width, 0.5 * width, K=0.2)
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
+
+
+@pytest.mark.parametrize("place", [0.1, 1.2345, 4.0])
+def test_how_far_a_value_may_lie_above_nought_is_found_between_samples(place):
+    """A bump of 2 mrad on a lift a milliradian below its diagonal, over it by 0.2 and below it by 0.1 of one."""
+    for below, over in ((1e-3, 2e-4), (1.3e-3, 0.0)):
+        circle = CircleMap(
+            lambda theta, below=below: theta - below + 1.2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2)),
+            lambda theta: 1.0 - 1.2 * (theta - place) / 2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2)),
+        )
+        height, where = unseen_height(circle, Fraction(0), 1.0)
+        assert over <= height + 1e-12 and height <= over + 1e-9
+        assert not over or abs(where - place) < 2e-3
+
+
+def test_what_is_not_seen_of_very_many_waves_is_in_the_edges_bound():
+    """2,000 waves touch the diagonal at once: the cells that are left have room, by which the edge may move."""
+    family = lambda omega: CircleMap(  # noqa: E731
+        lambda t: t + TWO_PI * omega + 2.5e-4 * np.cos(2000 * t), lambda t: 1.0 - 0.5 * np.sin(2000 * t)
+    )
+    left = tongue(family, 0, (-0.3, 0.3)).left
+    assert left.holds(-2.5e-4 / TWO_PI)
+    unseen, _ = unseen_height(family(float(left)), Fraction(0), 1.0)
+    assert left.error_bound >= 0.99 * unseen / TWO_PI > 1e-8
 
 
 def test_a_folded_tongue_is_where_an_orbit_of_that_rotation_number_exists():
@@ -166,3 +191,36 @@ def test_tongues_are_disjoint_and_in_the_order_of_their_ratios(K):
     for before, after in pairwise(edges):
         assert before.left <= before.right
         assert before.right.upper < after.left.lower
+
+
+def dropping(omega):
+    """A sampled map of slopes of 0.8 and more that jumps down at 2."""
+    lifted = np.array([0.7, 2.3, 1.6, 3.8, 6.5]) + TWO_PI * omega
+    return CircleMap.from_samples([0, 2, 2, 4, 6], lifted, [0.8] * 5)
+
+
+@pytest.mark.parametrize(
+    ("family", "ratio", "kinds"),
+    [
+        (arnold(0.9), (2, 5), "saddle-node"),
+        (arnold(3.0), (1, 2), "saddle-node"),
+        (tent, 0, "border-collision"),
+        (partial(contraction, 0.5), (1, 2), "border-collision"),
+        (dropping, 0, "saddle-node"),
+        (dropping, (1, 2), "border-collision"),
+    ],
+)
+def test_an_edge_says_what_meets_there_with_its_orbit(family, ratio, kinds):
+    """A saddle-node's orbit closes and has a multiplier of 1; a border collision's visits a break."""
+    found = tongue(family, ratio, (-1.0, 2.0))
+    assert (found.left_kind, found.right_kind) == (kinds, kinds)
+    for edge, orbit in ((found.left, found.left_orbit), (found.right, found.right_orbit)):
+        member = family(float(edge))
+        assert orbit.size == found.ratio.denominator
+        if kinds == "saddle-node":
+            assert abs(np.prod(member.derivative(orbit)) - 1) < 1e-5
+            gap = member(orbit) - np.roll(orbit, -1)
+            assert np.max(np.abs(gap - TWO_PI * np.round(gap / TWO_PI))) < 1e-6
+        else:
+            away = np.abs(orbit[:, None] - member.breaks)
+            assert np.min(np.minimum(away, TWO_PI - away)) < 1e-6

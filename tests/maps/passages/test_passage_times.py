@@ -8,7 +8,6 @@ import pytest
 from cyclemap.maps import (
     CircleMap,
     Estimate,
-    UniformNoise,
     VonMises,
     WrappedCauchy,
     WrappedNormal,
@@ -167,7 +166,7 @@ def test_survival_probabilities_sum_to_the_mean_passage_and_end_geometric():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("noise", [WrappedNormal(0.3), WrappedNormal(0.1), UniformNoise(0.4)])
+@pytest.mark.parametrize("noise", [WrappedNormal(0.3), WrappedNormal(0.1)])
 def test_chances_and_their_complements_add_up_to_one_within_their_bounds(noise):
     near, far = (-0.3, 0.3), (3.0, 3.2)
     for start in np.linspace(1.2, 2.8, 7):

@@ -1,0 +1,339 @@
+"""Curves of saddle-nodes, period doublings and border collisions in a plane of two parameters, and their points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import EPS
+from cyclemap.maps.families.continuation import bifurcations
+from cyclemap.maps.families.curve_equations import KINDS, CodimensionTwo, CurveEquations, CurveSpot
+from cyclemap.maps.families.family import Family, Range, break_motion, family_member, parameter_range
+from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break
+
+_FIRST, _LARGEST, _SMALLEST = 0.01, 0.06, 1e-7  # scaled arclength
+_STRAIGHT, _GROWTH, _MOST_STEPS = 0.95, 1.5, 2_000
+_RIGID = 0.3  # radians: a spread of F^n - id from which a tip may be near
+_NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever worse
+
+
+@dataclass(frozen=True, eq=False)
+class BifurcationCurve:
+    """A curve of one kind of bifurcation in the plane, in order along it.
+
+    kind : as of ``Bifurcation``. first, second : shape (m,). points : shape (m, period), radians, continuous along it.
+    coefficient : shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient
+        (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at border collisions.
+    special : its points of codimension two, in order. period, winding : of the orbits.
+    ends : why it ends at its two ends: "end of the plane", "closed" (it is a loop), "tip", "half the period" (the orbit
+        becomes one of half its period), "border collision" (a point of the orbit meets a break), "lost" or "steps".
+    residual : the largest of the equations' residuals.
+    """
+
+    kind: str
+    first: Array
+    second: Array
+    points: Array
+    coefficient: Array
+    special: tuple[CodimensionTwo, ...]
+    period: int
+    winding: int
+    ends: tuple[str, str]
+    residual: float
+
+
+@dataclass(eq=False)
+class _CurveWalk:
+    """A walk along the curve from one solution in the direction ``initial``: what it has passed, why it ended."""
+
+    equations: CurveEquations
+    begin: CurveSpot
+    initial: Array
+    step: float = _FIRST
+    reason: str = ""
+    blocked: str = "lost"  # what the last step that was refused ran into
+    spots: list[CurveSpot] = field(default_factory=list)
+    special: list[CodimensionTwo] = field(default_factory=list)
+    ending: tuple[Array, Array] | None = None  # where the curve is about to end, scaled, and what that may be off
+    last: Array | None = None  # where that was extrapolated to last
+
+    def walked(self) -> _CurveWalk:
+        """The walk, once it has ended."""
+        self.spots, self.direction = [self.begin], self.initial
+        while not self.reason:
+            if len(self.spots) > _MOST_STEPS:
+                self.reason = "steps"
+            elif self.step < _SMALLEST:
+                self._stop()
+            else:
+                self._advance()
+        return self
+
+    def _stop(self) -> None:
+        """End where steps have become too small, with the point of codimension two that made them so."""
+        self.reason, spot = self.blocked, self.spots[-1]
+        flips = self.equations.kind == "period-doubling"
+        names = {"half the period": "generalised flip", "tip": "tip"}
+        if self.equations.side == 0:
+            names["border collision"] = "border flip" if flips else "border saddle-node"
+        if self.reason in names:
+            at, error = self.ending or (spot.at[-2:], np.full(2, 2.0 * _SMALLEST))
+            self.special.append(self.equations.placed(names[self.reason], spot, at, 2.0 * error))
+
+    def _advance(self) -> None:
+        """One attempt at a step: it succeeds, ends the walk, or halves the step."""
+        here, row, length, last = self.spots[-1], self.direction, self.step, False
+        for k in (-2, -1):
+            climb = self.direction[k]
+            end = self.equations.ranges[k][1 if climb > 0.0 else 0] / self.equations.scales[k]
+            room = max((end - here.at[k]) / climb, 0.0) if climb else np.inf
+            if room <= length:
+                length, row, last = room, np.eye(here.at.size)[k], True
+        if length <= 1e-12:
+            self.reason = "end of the plane"
+            return
+        guess = here.at + length * self.direction
+        unmoved = np.zeros(here.state.member.breaks.size)
+        if crossed_break(here.state, guess[:-2] * self.equations.scales[:-2], unmoved) is not None:
+            self.blocked = "border collision"
+        solved = self.equations.solved(guess, row)
+        if solved is None or not self._accepted(here, solved):
+            self.step *= 0.5
+        elif last:
+            self.reason = self.reason or "end of the plane"
+
+    def _accepted(self, here: CurveSpot, solved: CurveSpot) -> bool:
+        """Take the step unless it is too far, too bent, or crosses what it must stop before."""
+        direction = self.equations.direction(solved, self.direction)
+        moved = solved.at - here.at
+        if float(np.linalg.norm(moved)) > 2.0 * self.step or direction @ self.direction < _STRAIGHT:
+            return False
+        old, new = here.state, solved.state
+        motion = break_motion(old.member.breaks, new.member.breaks)
+        if crossed_break(old, new.theta, motion) is not None:
+            self.blocked = "border collision"
+            return False
+        if here.gap.size and float(here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0])) <= 0.0:
+            self.blocked = "half the period"
+            return False
+        self._tested(here, solved, direction)
+        self.spots.append(solved)
+        if self.ending is None or not (
+            solved.spread < here.spread or np.linalg.norm(solved.gap) < np.linalg.norm(here.gap)
+        ):
+            self.blocked, self.ending = "lost", None
+        closing = self._closes(here, moved, direction)
+        self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
+        if closing:
+            self.spots[-1], self.reason = self.begin, "closed"
+        elif self.equations.kind == "saddle-node" and len(self.spots) > 3:
+            self._nears_end()
+        return True
+
+    def _tested(self, here: CurveSpot, solved: CurveSpot, direction: Array) -> None:
+        """Record the points of codimension two between two neighbouring solutions."""
+        from scipy.optimize import brentq
+
+        tests = zip(self.equations.tests(here), self.equations.tests(solved), strict=True)
+        for index, ((kind, before, off), (_, after, far)) in enumerate(tests):
+            if before * after >= 0.0 or abs(before) <= off or abs(after) <= far:
+                continue
+            length = float(self.direction @ (solved.at - here.at))
+            known = {0.0: here, length: solved}
+
+            def value(s: float, known: dict[float, CurveSpot] = known, index: int = index) -> float:
+                if s not in known:
+                    spot = self.equations.solved(here.at + s * self.direction, self.direction)
+                    if spot is None:
+                        raise ConvergenceError("a point of codimension two could not be reached along its curve")
+                    known[s] = spot
+                return list(self.equations.tests(known[s]))[index][1]
+
+            spot = known[brentq(value, 0.0, length, xtol=1e-14 * length, rtol=8.0 * EPS)]
+            error = list(self.equations.tests(spot))[index][2]
+            shift = error * length / abs(after - before)
+            curved = float(np.linalg.norm(direction - self.direction)) / length
+            tangent = self.equations.direction(spot, self.direction)
+            self.special.append(self.equations.recorded(kind, spot, 4.0 * shift, tangent, curved))
+
+    def _closes(self, here: CurveSpot, moved: Array, direction: Array) -> bool:
+        """Whether the step passes the first solution, but for whole turns and the choice of the first point."""
+        if len(self.spots) < 8:
+            return False
+        turns = self.equations.scales[:-2]
+        for k in range(self.equations.hops.size):
+            back = shorter_way(np.roll(self.begin.state.theta, -k) - here.state.theta) / turns
+            offset = np.append(back, self.begin.at[-2:] - here.at[-2:])
+            share = float(offset @ moved) / float(moved @ moved)
+            heading = np.append(np.roll(self.initial[:-2], -k), self.initial[-2:])
+            near = np.linalg.norm(offset - share * moved) < 0.2 * np.linalg.norm(moved)
+            if 0.0 < share <= 1.0 and near and heading @ direction > 0.5:
+                return True
+        return False
+
+    def _nears_end(self) -> None:
+        """Go no further than half way to where the curve ends in a tip or an orbit of half the period; stop close by.
+
+        The parameters are extrapolated from the last three solutions to where a measure is 0 in which they are smooth.
+        At a tip the spread of F^n - id falls as a whole power of the distance: its straightest root. Where the halves
+        of the orbit meet, they come as far apart on the other side: the square of their distance.
+        """
+        last, orbit = self.spots[-3:], self.equations.hops.size
+        length = np.array([float(self.direction @ (spot.at - last[-1].at)) for spot in last])
+        spread = np.array([spot.spread for spot in last])
+        apart = np.array([np.linalg.norm(spot.gap) for spot in last]) if orbit % 2 == 0 else np.full(3, np.inf)
+        candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * orbit + 2)]
+        candidates = [*(candidates if spread[-1] < _RIGID else []), ("half the period", apart, 2)]
+        best, ending = 0.1, None
+        for reason, root, power in candidates:
+            if root[0] > root[1] > root[2] > 0.0 and root[2] < _RIGID ** (1.0 / orbit):
+                slope = (root[2] - root[1]) / (length[2] - length[1])
+                bent = abs(root[0] - root[2] - slope * length[0]) / root[0]
+                if bent < best:
+                    best, ending = bent, (reason, root**power, -root[2] / slope)
+        if ending is None or ending[2] > 4.0 * self.step:
+            return
+        reason, measure, distance = ending
+        shares = [float(np.prod([b / (b - a) for b in measure if b != a])) for a in measure]
+        at = np.sum([share * spot.at[-2:] for share, spot in zip(shares, last, strict=True)], axis=0)
+        change = np.abs(at - (last[-1].at[-2:] if self.last is None else self.last))
+        self.blocked, self.step = reason, min(self.step, 0.5 * distance)
+        if self.ending is None or np.max(change) < np.max(self.ending[1]):  # the one that changed least
+            self.ending = at, change + 1e-12
+        self.last = at
+        if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
+            self._stop()
+
+
+def follow_bifurcation(family: Family, start: Bifurcation, at: float, first: Range, second: Range) -> BifurcationCurve:
+    """The curve of bifurcations through ``start``, followed both ways in the plane first × second.
+
+    family : (p, q) → CircleMap, called only inside the plane. start : a saddle-node, period doubling or border
+        collision of p → family(p, at), as ``bifurcations`` gives them. at : the second parameter there.
+    first, second : (low, high) of the two parameters.
+
+    The orbit's equations and the condition, a multiplier of ±1 or a point on a break, are solved for θ and both
+    parameters and followed in their arclength (Keller 1977; Kuznetsov 2004, ch. 10), so that folds of the curve and
+    cusps are passed and every point is correct to rounding, or to what the map's ``max_error`` leaves. Points of
+    codimension two are where the normal form's coefficient, told from five-point differences of (Fⁿ)' over 4 and 8
+    mrad, changes its sign by more than its error: on maps that are sampled coarser than that none may be told. What
+    happens twice within one step, at most 0.06 of the plane, is missed. The bounds of tips, and of points at which a
+    curve ends, are measured; the others are of first order.
+
+    Raises InvalidInput for another kind of bifurcation, or where there is none.
+
+    >>> from cyclemap.maps.families.continuation import saddle_nodes
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (-1.0, 2.0))
+    >>> edge.ends, bool(np.max(np.abs(edge.first - edge.second / (2 * np.pi))) < 1e-14)
+    (('tip', 'end of the plane'), True)
+    >>> [tip] = edge.special
+    >>> tip.first.holds(0.0) and tip.second.holds(0.0)
+    True
+    """
+    ranges = parameter_range("first", first), parameter_range("second", second)
+    if not isinstance(start, Bifurcation) or start.kind not in KINDS:
+        raise InvalidInput(f"start is {start!r}: give a saddle-node, a period doubling or a border collision")
+    height = finite_number("at", at)
+    return _followed(family, start, (float(start.parameter), height), ranges)
+
+
+def _followed(
+    family: Family, start: Bifurcation, at: tuple[float, float], ranges: tuple[Range, Range]
+) -> BifurcationCurve:
+    points, member = np.array(start.points), family_member(family, *at)
+    images = member(points)
+    sides: tuple[int, ...] = (0,)
+    if start.kind == "border-collision":
+        sides = (1, -1) if start.jump else (1,)
+    begin = None
+    for side in sides:
+        if side:
+            images[0] = (member.right if side > 0 else member.left)(points[:1])[0]
+        hops = np.round((images - np.roll(points, -1)) / TWO_PI)
+        equations = CurveEquations(family, hops, start.winding, start.kind, ranges, side)
+        guess = np.append(points, at) / equations.scales
+        along = equations.direction(equations.spot(guess))
+        begin = equations.solved(guess, along)
+        if begin is not None and float(np.linalg.norm(begin.at - guess)) < 1e-2:
+            break
+    else:
+        raise InvalidInput(
+            f"there is no {start.kind} of period {start.period} at ({at[0]:.9g}, {at[1]:.9g}) near θ = {points[0]:.6g}"
+        )
+    ahead = equations.direction(begin)
+    forward = _CurveWalk(equations, begin, ahead).walked()
+    spots, special, ends = forward.spots, forward.special, ("closed", "closed")
+    if forward.reason != "closed":
+        backward = _CurveWalk(equations, begin, -ahead).walked()
+        spots, special = backward.spots[:0:-1] + spots, backward.special[::-1] + special
+        ends = backward.reason, forward.reason
+    at_all = np.array([spot.at * equations.scales for spot in spots])
+    return BifurcationCurve(
+        start.kind,
+        read_only(at_all[:, -2]),
+        read_only(at_all[:, -1]),
+        read_only(at_all[:, :-2]),
+        read_only([equations.coefficient(spot)[0] for spot in spots]),
+        tuple(special),
+        start.period,
+        start.winding,
+        ends,
+        max(float(np.max(np.abs(spot.residual))) for spot in spots),
+    )
+
+
+LINES = 4
+_RESOLUTION = 8  # of each line
+_SAME = 0.02  # scaled distance
+
+
+def bifurcation_curves(
+    family: Family, first: Range, second: Range, period: int = 1, winding: int = 0, *, lines: int = LINES
+) -> list[BifurcationCurve]:
+    """All curves of saddle-nodes, period doublings and border collisions of these orbits in a plane.
+
+    ``bifurcations`` are sought on ``lines`` evenly spaced lines across the plane each way; one that lies on no curve
+    found so far, to a fiftieth of the plane, starts a new one (``follow_bifurcation``). A curve that no line
+    crosses is lost.
+
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> wavy = lambda p, K: CircleMap(lambda x: x + p - K * np.sin(x) - 0.1 * np.sin(2 * x))
+    >>> curves = bifurcation_curves(wavy, (-0.5, 0.5), (-0.4, 0.4))
+    >>> sorted((p.kind, round(p.first, 3) + 0.0, round(p.second, 3)) for curve in curves for p in curve.special)
+    [('cusp', 0.0, -0.2), ('cusp', 0.0, 0.2)]
+    """
+    ranges = parameter_range("first", first), parameter_range("second", second)
+    count = whole_number("lines", lines, least=1)
+    curves: list[BifurcationCurve] = []
+    spans = np.array([high - low for low, high in ranges])
+    shares = (np.arange(count) + 0.5) / count
+    for axis in (1, 0):
+        for height in (ranges[axis][0] + shares * spans[axis]).tolist():
+            line = (lambda v, h=height: family(v, h)) if axis else (lambda v, h=height: family(h, v))
+            for start in bifurcations(line, ranges[1 - axis], period, winding, resolution=_RESOLUTION):
+                value = float(start.parameter)
+                at = (value, height) if axis else (height, value)
+                if start.kind in KINDS and not any(_on(curve, start, np.array(at), spans) for curve in curves):
+                    curves.append(_followed(family, start, at, ranges))
+    return curves
+
+
+def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) -> bool:
+    """Whether the bifurcation lies on the curve, between two of its points."""
+    if curve.kind != start.kind:
+        return False
+    plane = np.column_stack([curve.first, curve.second]) / spans
+    for k in range(start.period):
+        angles = shorter_way(curve.points - np.roll(start.points, k)) / np.sqrt(start.period)
+        offset = np.column_stack([angles, plane - at / spans])
+        step = np.diff(offset, axis=0)
+        share = np.clip(-np.sum(offset[:-1] * step, 1) / np.maximum(np.sum(step * step, 1), 1e-300), 0.0, 1.0)
+        if float(np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)) < _SAME:
+            return True
+    return False

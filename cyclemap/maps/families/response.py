@@ -1,0 +1,164 @@
+"""Response: how the law, the winding, the directions and the passages of a noisy family move with its parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, finite_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import EPS, Estimate
+from cyclemap.maps.families.family import Family, ParameterTangent, Range, parameter_range, parameter_tangent
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
+from cyclemap.maps.operator.poisson_equation import FourierLaw, moments_against
+from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
+from cyclemap.maps.orbits.periodic_points import fixed_points
+from cyclemap.maps.passages.killed_chain import Arc, arc_ends, killed_chain, required_inside
+from cyclemap.one_thread import one_thread
+
+_STEP = 1e-3  # of the range: spacing of the differences by which ∂F/∂p is told
+_STRETCH = 1.4  # factor on the nodes' bandwidth of the second route to a passage time's derivative
+
+
+def response(family: Family, parameter: float, noise: Noise, parameters: Range) -> Response:
+    """How what noise makes of a family's map answers its parameter: derivatives by the operator's adjoint.
+
+    family : p → CircleMap. parameters : (low, high), with ``parameter`` inside: the family is called only there.
+
+    With z - Pz = h - E h (Poisson's equation) d/dp E h = E ∂F/∂p·(Pz)' + E ∂h/∂p, and where a jump b moves at the rate
+    b', b' p(b) times what Pz and h change across it (linear response: Hairer & Majda 2010; with noise all is smooth).
+    ∂F/∂p comes from centred differences over 1/1000 and 1/500 of the range, extrapolated; the bounds add what that
+    changes, what a finer basis or more nodes change, and rounding: measured, the map's ``max_error`` left out.
+
+    Raises InvalidInput for ``UniformNoise``, whose law has steps, and as ``transfer_operator`` does.
+
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> found = response(CircleMap.rigid, 0.3, WrappedNormal(0.5), (0.0, 1.0))
+    >>> found.rotation_number.holds(1.0), bool(abs(found.density(1.0)) < 1e-12)
+    (True, True)
+    """
+    low, high = parameter_range("parameters", parameters)
+    p = finite_number("parameter", parameter)
+    if not low <= p <= high:
+        raise InvalidInput(f"parameter is {p:g}, outside the parameters ({low:g}, {high:g}): take one inside")
+    tangents = [parameter_tangent(family, p, k * _STEP * (high - low), (low, high)) for k in (1.0, 2.0)]
+    operator = transfer_operator(tangents[0].member, noise)
+    if not isinstance(operator.discretisation, FourierDiscretisation):
+        raise InvalidInput(f"the noise is {noise!r}: its law has steps, which move; take a smooth noise")
+    return Response(operator, tangents[0], tangents[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Derivatives by the parameter, made by ``response``; each is computed when it is asked for.
+
+    operator : at the parameter. near, far : ∂F/∂p by differences over a step and over two.
+    """
+
+    operator: TransferOperator
+    near: ParameterTangent
+    far: ParameterTangent
+
+    @property
+    def _basis(self) -> FourierDiscretisation:
+        basis = self.operator.discretisation
+        assert isinstance(basis, FourierDiscretisation)
+        return basis
+
+    @one_thread
+    def density(self, theta: Any) -> Array:
+        """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
+        angles = finite_array("theta", theta)
+        basis = self._basis
+        found, _ = self._moved(FourierLaw(basis), basis.evaluate(angles.ravel()).T)
+        return found.reshape(angles.shape)
+
+    @one_thread
+    def expectation(self, function: Callable[[Array], Array]) -> Estimate:
+        """d/dp of E h(θ) under the stationary law; h as of ``TransferOperator.expectation``."""
+
+        def moments(basis: FourierDiscretisation) -> Array:
+            theta, weight = basis.rule
+            return moments_against(basis, theta, weight * finite_array("the function's values", function(theta)))
+
+        return self._estimated(moments, 0.0)
+
+    @cached_property
+    @one_thread
+    def rotation_number(self) -> Estimate:
+        """d/dp of the mean winding, turns a cycle."""
+
+        def moments(basis: FourierDiscretisation) -> Array:
+            theta, weight = basis.rule
+            return moments_against(basis, theta, weight * basis.map.turn(theta) / TWO_PI)
+
+        return self._estimated(moments, 1.0 / TWO_PI)
+
+    @cached_property
+    def stable_points(self) -> tuple[tuple[float, Estimate], ...]:
+        """(θ, dθ/dp) of the stable fixed points of the map without noise: ∂F/∂p over 1 - F'."""
+        found = []
+        for orbit in fixed_points(self.operator.map):
+            if orbit.stable:
+                near, far = (float(push(orbit.points)[0]) / (1.0 - orbit.multiplier) for push in (self.near, self.far))
+                rounding = 64.0 * EPS / (self.near.step * (1.0 - orbit.multiplier))
+                found.append((float(orbit.points[0]), Estimate((4.0 * near - far) / 3.0, abs(near - far) + rounding)))
+        return tuple(found)
+
+    @one_thread
+    def mean_passage_time(self, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
+        """d/dp of the mean cycles from ``start`` until the path is first outside ``arc``, both held fixed.
+
+        Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of ``mean_passage_time``.
+        """
+        ends = arc_ends(arc, "arc", whole=lifted)
+        inside = required_inside(start, ends)
+        make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), None, lifted)
+        found = []
+        for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):
+            chain = make(stretch=stretch)
+            time = chain.expected(1.0, np.zeros(2 if lifted else 1))
+            theta = np.append(chain.theta, inside)
+            images = self.operator.map(theta)
+            source = push(theta) * time.growth(images, chain)
+            # Elimination keeps all digits of what is not negative.
+            up, down = (np.maximum(sign * source[:-1], 0.0) for sign in (1.0, -1.0))
+            moved = chain.elimination.solve(up) - chain.elimination.solve(down)
+            found.append(float(source[-1] + chain.transitions(images[-1:])[0] @ moved))
+        near, far, again = found
+        rounding = 1e3 * EPS * (1.0 / self.near.step + abs(near))
+        return Estimate((4.0 * near - far) / 3.0, abs(near - far) + 4.0 * abs(near - again) + rounding)
+
+    def _estimated(self, moments: Callable[[FourierDiscretisation], Array], direct: float) -> Estimate:
+        basis = self._basis
+        value, changed = self._moved(FourierLaw(basis), moments(basis), direct)
+        fine = basis.refined()
+        again, _ = self._moved(FourierLaw(fine), moments(fine), direct)
+        rounding = 64.0 * EPS * (1.0 + abs(float(value))) / self.near.step
+        return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)
+
+    def _moved(self, law: FourierLaw, moments: Array, direct: float = 0.0) -> tuple[Array, Array]:
+        """d/dp E h for h of integrals ``moments`` (columns of several), and what the larger step changes.
+
+        direct : ∂h/∂F where h depends on F.
+        """
+        basis = law.basis
+        theta, weight = basis.rule
+        mass, dual = weight * basis.on_nodes(law.coefficients), law.dual(moments)
+        slopes = (basis.expected_slope(dual).T + direct) * mass
+        near, far = (slopes @ push(theta) for push in (self.near, self.far))
+        jumps, left, right = basis.map.jumps()
+        if jumps.size:
+            sides = [(waves(image, basis.modes).T * basis.kappa) @ dual for image in (left, right)]
+            across = (sides[0] - sides[1]).T + direct * (left - right)
+            rates = self.near.break_rates[np.isin(basis.map.breaks, jumps)]
+            moved = across @ (rates * (basis.evaluate(jumps) @ law.coefficients))
+            near, far = near + moved, far + moved
+        return np.asarray((4.0 * near - far) / 3.0), np.abs(near - far)

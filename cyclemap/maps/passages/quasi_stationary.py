@@ -1,0 +1,148 @@
+"""The quasi-stationary distribution of an arc: where a path is that has not left it, how soon and where it does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import finite_array
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.estimate import ELIMINATION, Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.passages.killed_chain import Arc, KilledChain, arc_ends, killed_chain
+from cyclemap.one_thread import one_thread
+
+_OTHER = 1.4  # bandwidth of the second solution over that of the first
+_APART = 10.0  # times the difference of the two: the bound
+_SQUARINGS = 40
+_NEARLY = 1e-13  # change that ends them
+_CYCLES = 20_000
+_SETTLED = 1e-13  # relative change of every node's chance that ends single cycles
+_NOTHING = 1e-290  # chances that are none
+_ACCEPTED = 1e-6  # relative error bound of the escape rate, ``max_error`` apart
+
+
+@dataclass(frozen=True, eq=False)
+class QuasiStationary:
+    """What becomes of a noisy path as long as it stays in an arc, however it began; made by ``quasi_stationary``.
+
+    Parameters
+    ----------
+    escape_rate : chance a cycle of leaving, 1 - λ; the path stays 1/escape_rate cycles on average.
+    below, above : the chances of leaving past the arc's start and past its end.
+    """
+
+    escape_rate: Estimate
+    below: Estimate
+    above: Estimate
+    _chain: KilledChain = field(repr=False)
+    _mass: Array = field(repr=False)
+
+    def density(self, theta: Any) -> Array:
+        """The distribution's density, per radian, at angles of the arc, any shape: one cycle on from its nodes."""
+        angles = finite_array("theta", theta)
+        chain = self._chain
+        gaps = angles.ravel() - chain.images[:, None]
+        density = self._mass @ chain.noise.density(gaps, chain.lifted) / (1.0 - self.escape_rate)
+        inside = (angles >= chain.arcs[0][0]) & (angles <= chain.arcs[0][1])
+        return np.where(inside, density.reshape(angles.shape), 0.0)
+
+
+@one_thread
+def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStationary:
+    """Where the path θ' = F(θ) + ξ is on the line given that it has not left ``arc`` for long, and how it leaves.
+
+    Parameters
+    ----------
+    arc : (start, end), counter-clockwise, radians, length in (0, 2π].
+
+    Returns
+    -------
+    ``escape_rate`` 1 - λ with λ the largest eigenvalue of the chain that is killed outside the arc, ``below`` and
+    ``above`` the chances of slipping out to either side, the ``density``.
+
+    Raises
+    ------
+    InvalidInput as ``mean_passage_time``; ConvergenceError where the rate is not known to 1e-6 of itself.
+
+    Notes
+    -----
+    ν K = λ ν by repeated squaring of the chain on Nyström's nodes: sums of positive terms, so that small chances keep
+    their digits, and 1 - λ is ν's chance of leaving in a cycle, never a difference. ``error_bound``: ten times the
+    difference from other nodes, measured, and to first order what the map's ``max_error`` may change: ε ∫ν|∂/∂F| of
+    the chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean. (Collet, Martínez &
+    San Martín, Quasi-Stationary Distributions, 2013.)
+
+    Examples
+    --------
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> slips = quasi_stationary(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), (-0.8, 2.37))
+    >>> round(1.0 / slips.escape_rate, 3), slips.above > 0.999
+    (3575.286, True)
+    """
+    ends = arc_ends(arc, "arc", whole=True)
+    chain, other = (
+        killed_chain(circle_map, noise, (ends,), None, True, every_sample=every, stretch=stretch)
+        for every, stretch in ((False, _OTHER), (True, 1.0))
+    )
+    mass, rates = _lasting(chain)
+    total = float(rates.sum())
+    others = _lasting(other)[1]
+    own = _APART * abs(float(others.sum()) - total) + ELIMINATION * total
+    if not own <= _ACCEPTED * total:
+        raise ConvergenceError(
+            f"the escape rate came out as {total:.9g} with error bound {own:.3g}: the map is too rough for so small a "
+            "noise; raise the noise or give the map's breaks"
+        )
+    shares = rates / total
+    share_error = _APART * float(np.abs(others / others.sum() - shares).max()) + ELIMINATION
+    slopes = _slopes(chain, mass, rates)
+    epsilon = circle_map.max_error
+    rate = Estimate(total, own + epsilon * float(mass @ np.abs(slopes.sum(axis=0))))
+    moved = epsilon * float(mass @ np.abs(slopes[0] * shares[1] - slopes[1] * shares[0])) / total
+    below, above = (Estimate(float(share), share_error + moved) for share in shares)
+    return QuasiStationary(rate, below, above, chain, mass)
+
+
+def _lasting(chain: KilledChain) -> tuple[Array, Array]:
+    """The quasi-stationary chances of the nodes, (n,), and with them those of leaving in a cycle by each exit."""
+    moves = chain.transitions(chain.images)
+    power, mass = moves, np.full(chain.theta.size, 1.0 / chain.theta.size)
+    for _ in range(_SQUARINGS):
+        after = mass @ power
+        after /= after.sum()
+        settled, mass = np.abs(after - mass).sum() <= _NEARLY, after
+        if settled:
+            break
+        power = power @ power
+        power /= power.sum(axis=1).max()
+    # Single cycles give the small chances their digits: a rounding is forgotten by the next ones, not squared.
+    for _ in range(_CYCLES):
+        after = mass @ moves
+        after /= after.sum()
+        settled, mass = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING), after
+        if settled:
+            return mass, chain.departures(chain.images) @ mass
+    raise ConvergenceError("the path keeps turning in the arc or stays in several parts of it: take a shorter arc")
+
+
+def _slopes(chain: KilledChain, mass: Array, rates: Array) -> Array:
+    """(exits, n): how fast each exit's rate grows with F at the nodes, per unit of ν."""
+    moves, gone = chain.transitions(chain.images), chain.departures(chain.images)
+    # (λ - K) w = gone - rate·u with ν w = 0, u the right eigenvector: bordered, so that it is regular.
+    size = mass.size
+    bordered = np.zeros((size + 1, size + 1))
+    bordered[:size, :size] = (1.0 - rates.sum()) * np.eye(size) - moves
+    bordered[:size, size] = 1.0
+    bordered[size, :size] = mass
+    later = np.linalg.solve(bordered, np.append(gone, np.zeros((rates.size, 1)), axis=1).T)[:size]
+    # But for its value at the most visited node, which moves with the chance of staying.
+    level = later[np.argmax(mass)]
+    gap = chain.theta - chain.images[:, None]
+    pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ (later - level)
+    leaving = chain.departure_slopes(chain.images)
+    return np.asarray(leaving - pushed.T - np.multiply.outer(level, leaving.sum(axis=0)))

@@ -1,0 +1,89 @@
+"""Early warning: how much of an error the last cycles of a resting path have kept, on its way to 1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, whole_number
+
+LAST = 100
+_LEAST = 20
+_RESTS = np.pi / 2  # radians: a path that spreads over more does not rest
+_GRID = np.append(np.linspace(-0.95, 0.95, 77), [0.97, 0.98, 0.99, 1.0])  # multipliers that are tried
+_PATHS, _SEED = 2_000, 1
+_LEVEL = 0.95
+
+
+@dataclass(frozen=True)
+class RestMultiplier:
+    """The multiplier of the direction about which a path rests.
+
+    value : the median-unbiased one; lower, upper : 95 % interval, in [-1, 1]: at 1 the direction is being lost, or has
+    been. cycles : that it was told from. theta : radians in [0, 2π), the mean of these.
+    """
+
+    value: float
+    lower: float
+    upper: float
+    cycles: int
+    theta: float
+
+
+def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
+    """The multiplier of the rest of the last cycles of a path, with its interval; None where they do not rest.
+
+    theta : shape (n,), radians, on the lift or not. last : how many cycles are looked at, 20 or more. They rest where
+        the shortest arc that holds them is less than a quarter of a turn; fewer than 20 are too few.
+
+    Beside a stable point θ' = θ* + λ(θ - θ*) + ξ: the regression of each angle on the one before falls short of λ by
+    some (1 + 3λ)/n (Kendall 1954), and its distribution is skew as λ nears 1, so that interval and value come from
+    the λ for which the regression seen is no rarer than 2.5 % on either side, and its median (Andrews 1993), by 2,000
+    simulated paths for each of 81 λ from -0.95 to 1 and lines between. Normal kicks are taken that do not depend on
+    the past, and a map that does not bend over the rest.
+
+    >>> rng = np.random.default_rng(0)
+    >>> path = [0.0]
+    >>> for kick in rng.normal(0.0, 0.02, 200):
+    ...     path.append(0.8 * path[-1] + kick)
+    >>> found = rest_multiplier(path)
+    >>> found.lower < 0.8 < found.upper
+    True
+    """
+    path, count = finite_array("theta", theta, ndim=1), whole_number("last", last, least=_LEAST)
+    if path.size < _LEAST + 1:
+        return None
+    path = path[-count - 1 :]
+    middle = float(np.angle(np.mean(np.exp(1j * path))))
+    away = np.mod(path - middle + np.pi, TWO_PI) - np.pi
+    if float(np.ptp(away)) >= _RESTS or float(np.ptp(away)) == 0.0:
+        return None
+    seen = float(_regression(away[None])[0])
+    below, median, above = _quantiles(path.size)
+    value, lower, upper = (float(np.interp(seen, row, _GRID)) for row in (median, above, below))
+    return RestMultiplier(value, -1.0 if seen < above[0] else lower, upper, path.size - 1, middle % TWO_PI)
+
+
+def _regression(paths: Array) -> Array:
+    """The slope of each angle on the one before, of paths (k, n)."""
+    before = paths[:, :-1] - paths[:, :-1].mean(axis=1, keepdims=True)
+    return np.asarray(np.sum(before * paths[:, 1:], axis=1) / np.sum(before**2, axis=1))
+
+
+@lru_cache(maxsize=8)
+def _quantiles(size: int) -> Array:
+    """(3, 81): quantiles 2.5 %, 50 % and 97.5 % of the regression for each λ, made to rise with it."""
+    rng, rows = np.random.default_rng(_SEED), []
+    kicks = rng.standard_normal((_PATHS, size))  # the same for every λ, so that lines are smooth
+    for multiplier in _GRID.tolist():
+        paths = kicks.copy()
+        if multiplier < 1.0:
+            paths[:, 0] /= np.sqrt(1.0 - multiplier**2)
+        for n in range(1, size):
+            paths[:, n] += multiplier * paths[:, n - 1]
+        rows.append(np.quantile(_regression(paths), [0.5 - 0.5 * _LEVEL, 0.5, 0.5 + 0.5 * _LEVEL]))
+    return np.maximum.accumulate(np.array(rows).T, axis=1)

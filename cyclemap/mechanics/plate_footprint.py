@@ -1,0 +1,77 @@
+"""How an object rests on a material: its plate's pressure, and the shape of the floor."""
+
+from cyclemap.mechanics.footprint import Footprint, PatchFootprint
+from cyclemap.mechanics.foundation import FLAT, FloorField, PressedFootprint, SurfaceShape
+from cyclemap.mechanics.material import ANY_PLATE, Material, PlatePressure
+from cyclemap.mechanics.material_text import built_in_plates
+from cyclemap.mechanics.slider import Slider
+
+
+def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
+    """Return how an object rests on a material: by its plate and the floor's shape.
+
+    The plate goes by the object's name. One that the material does not know has the built-in shape
+    on a floor that has one. None where neither is known.
+    """
+    known = known_plate(material, slider)
+    shape = FLAT if known is None else known.shape
+    if not (shape.is_flat and material.has_flat_floor):
+        factor = 1.0 / mean_pressure(slider)
+        return pressed_footprint(slider, shape, material.floor, material.field, factor)
+    if known is None:
+        return None
+    return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
+
+
+def known_plate(material: Material, slider: Slider) -> PlatePressure | None:
+    """Return what is known of an object's plate: by the material, else built in.
+
+    Built-in plates are asked only where the material's floor has a shape.
+    """
+    built_in = () if material.has_flat_floor else built_in_plates()
+    for plate in (*material.plates, *built_in):
+        if plate.plate == slider.name:
+            return plate
+    return material.pressure_of(ANY_PLATE)
+
+
+def plate_note(material: Material, slider: Slider) -> str:
+    """Return a sentence on an object that the material does not know.
+
+    Empty where it does, or knows of no object.
+
+    >>> from dataclasses import replace
+    >>> from cyclemap.mechanics import PlatePressure, Slider, load_material
+    >>> slate = replace(load_material("plywood"), name="slate", plates=(PlatePressure("hex"),))
+    >>> plate_note(slate, Slider.mit("rect1"))
+    'rect1 was never seen on slate: a flat plate is taken'
+    """
+    knows_shapes = material.plates or not material.has_flat_floor
+    if material.pressure_of(slider.name) is not None or not knows_shapes:
+        return ""
+    known = known_plate(material, slider)
+    taken = "a flat plate is taken"
+    if known is not None:
+        taken = "its built-in shape, found on other floors, is taken"
+    return f"{slider.name} was never seen on {material.name}: {taken}"
+
+
+def mean_pressure(slider: Slider) -> float:
+    """Return an object's weight over the area of its outline, kPa."""
+    return 1e-3 * slider.weight / slider.outline.area
+
+
+def pressed_footprint(
+    slider: Slider,
+    plate: SurfaceShape,
+    floor: SurfaceShape,
+    field: FloorField | None,
+    factor: float,
+) -> PressedFootprint:
+    """Return how an object rests on shapes.
+
+    factor : from the unit that the shapes are told in to the object's own mean pressures.
+    """
+    varying = None if field is None else field.scaled(factor)
+    plate, floor = plate.scaled(factor), floor.scaled(factor)
+    return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, varying)

@@ -1,0 +1,201 @@
+"""An experiment with one's own object: a first guess of where to push it, and what is likely wrong with a guess."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
+from cyclemap.mechanics import Ellipse, Polygon, grid_footprint, load_material
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.mechanics.outline import Outline
+from cyclemap.protocol.collection_file import names_surface, read_settings
+from cyclemap.protocol.setting_table import SETTINGS, Settings, without_noise
+from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_settings
+
+MM = 1000.0
+# MIT's experiment by the size of its object, the square root of the plate's area: where the ring is, how far it pushes.
+_RING, _PUSH, _FRACTION = 15.0 / 90.0, 150.0 / 90.0, 0.7
+# Degrees of a push on a disc, and how far the axes of what counts as one may differ.
+_SLANT, _ROUND = 15.0, 1.02
+_RULED_MM = 5.0
+# Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
+_SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
+_MOST_RATIO = 2.0
+# Where a ring would lie beside a bent object, it comes to the nearest of so many cells a side inside.
+_CELLS = 40
+_AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
+# A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter than this neither.
+_SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
+
+
+def first_settings(outline: Outline, name: str) -> Settings:
+    """Return settings of an experiment with an object of this outline, in proportion as MIT's is.
+
+    The pushed side is the longest that a straight wall could touch, the ring on the way from the centroid to the corner
+    that ends it; a disc, which no straight push turns, is pushed at a slant. Rod and friction are MIT's rod and no
+    surface at all: they want to be measured.
+    """
+    size, centre = math.sqrt(outline.area), np.array(outline.centroid)
+    if isinstance(outline, Ellipse):
+        shape: Settings = {"semi_x_mm": MM * outline.semi_x, "semi_y_mm": MM * outline.semi_y}
+        side, corner = 0, np.array([-outline.semi_x, outline.semi_y])
+        slant = _SLANT if 1.0 / _ROUND < outline.semi_x / outline.semi_y < _ROUND else 0.0
+    else:
+        shape = {"vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]}
+        side, slant = _longest_outer_side(outline), 0.0
+        corner = outline.array[(side + 1) % outline.sides]
+    ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
+    if not outline.contains(ring):
+        cells, _ = grid_footprint(outline, _CELLS).quadrature
+        ring = cells[np.argmin(np.hypot(*(cells - ring).T))]
+    return {
+        **shape,
+        "object_name": name,
+        "mass_kg": 1.0,
+        "side": side,
+        "fraction": _FRACTION if isinstance(outline, Polygon) else 0.3,
+        "angle_deg": slant,
+        "push_mm": _RULED_MM * round(MM * _PUSH * size / _RULED_MM) or round(MM * _PUSH * size, 3),
+        "pusher_radius_mm": 4.75,
+        "pusher_mu": 0.15,
+        "hitch_x_mm": round(MM * float(ring[0]), 2),
+        "hitch_y_mm": round(MM * float(ring[1]), 2),
+    }
+
+
+def within_reach(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop with its push no longer than its rod stays on the object, from 24 orientations, less a tenth."""
+    coarse = replace(loop, accuracy=1e-6)
+    travel = min(coarse.cycle(theta).push.travel for theta in _AROUND)
+    if travel >= loop.push.distance * (1.0 - 1e-9):
+        return loop
+    shorter = 0.9 * MM * travel
+    ruled = _RULED_MM * math.floor(shorter / _RULED_MM) or shorter
+    return replace(loop, push=replace(loop.push, distance=ruled / MM))
+
+
+def _longest_outer_side(outline: Polygon) -> int:
+    """The longest side that has the whole object on its inner side."""
+    start = outline.array
+    edge = np.roll(start, -1, axis=0) - start
+    length = np.hypot(*edge.T)
+    beyond = [
+        float((ahead[0] * (start - corner)[:, 1] - ahead[1] * (start - corner)[:, 0]).min())
+        for corner, ahead in zip(start, edge / length[:, None], strict=True)
+    ]
+    outer = [side for side in range(outline.sides) if beyond[side] >= -1e-9 * outline.extent]
+    return max(outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is wrong, or likely so, in plain words: `wrong` where nothing can be computed with it."""
+
+    wrong: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class CheckedCollection:
+    """A collection file as it was understood, and what is doubted of it; loop: None where there can be none."""
+
+    loop: CollectionLoop | None
+    findings: tuple[Finding, ...]
+
+
+def check_collection(path: str | Path) -> CheckedCollection:
+    """Look at a collection file as a careful colleague would.
+
+    Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment, then, by running the push
+    and drag from 24 orientations, whether the rod runs off the object and whether cycles turn it; last, friction.
+    Raises DataFileError where the file is no collection at all.
+    """
+    (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
+    told = [
+        f"{words} is not said, so it is that of MIT's experiment: give {', '.join(keys)}"
+        for words, keys in inherited_defaults(settings).items()
+    ]
+    if not {"vertices_mm", "semi_x_mm", "shape"} & set(settings):
+        told.append(
+            "no object is said, so it is MIT's 90 mm square rect1: give vertices_mm, semi_x_mm and semi_y_mm, or shape"
+        )
+    if not has_surface:
+        told.append(
+            "no surface is said: give a table [friction] with mu_a and mu_b, or name a material with each command"
+        )
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", DoubtfulInput)
+        try:
+            material = load_material(path if has_surface else "isotropic")
+            loop = loop_from_settings(layered(settings), CollectionLoop.mit(material))
+            first_contact(loop.slider, loop.push, loop.pusher.radius)
+            _ = loop.model
+        except InvalidInput as error:
+            return CheckedCollection(None, (Finding(True, str(error)), *(Finding(False, words) for words in told)))
+    told += [*dict.fromkeys(str(doubt.message) for doubt in doubts), *_unusual(loop)]
+    return CheckedCollection(loop, (*_strokes(loop), *(Finding(False, words) for words in told)))
+
+
+def _unusual(loop: CollectionLoop) -> list[str]:
+    """What is odd about the sizes and frictions of a loop."""
+    slider, law = loop.slider, loop.material.friction
+    reach, told = slider.outline.extent, []
+    size = f"the object reaches {MM * reach:.4g} mm from its centre"
+    if reach < _SMALLEST:
+        told.append(f"{size}: were its lengths given in metres or centimetres? They are read as millimetres")
+    if reach > _LARGEST:
+        told.append(f"{size}: were its lengths given in finer units than millimetres?")
+    away = math.dist(slider.outline.centroid, (0.0, 0.0))
+    if away > reach:
+        told.append(f"{size}, which is {MM * away:.4g} mm from the origin of its frame: was the drawing not centred?")
+    if math.dist(slider.hitch, slider.centre_of_mass) < _SHORT_LEVER * reach:
+        told.append("the ring is all but at the centre of mass: the drag back will hardly turn the object")
+    if slider.mass > _HEAVIEST:
+        told.append(f"the mass is {slider.mass:g} kg: was it given in grams?")
+    low, high = sorted((law.mu_a, law.mu_b))
+    if low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high:
+        told.append(f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual")
+    if high > _MOST_RATIO * low:
+        told.append(
+            f"friction is {high / low:.3g} times as large in one direction as in another; measured ones reach 1.6"
+        )
+    if loop.pusher.friction > SETTINGS["pusher_mu"].high:
+        told.append(f"friction of {loop.pusher.friction:g} between rod and object is that of rubber")
+    if law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0:
+        told.append(
+            "friction is the same in every direction, so that no push direction is preferred: a guess to start with; "
+            "cyclemap identify finds it from data"
+        )
+    return told
+
+
+def _strokes(loop: CollectionLoop) -> list[Finding]:
+    """What running the cycle from orientations all around shows."""
+    coarse, asked = replace(loop, accuracy=1e-6), loop.push.distance
+    shortest, turns = (math.inf, 0.0), []
+    for theta in _AROUND:
+        try:
+            cycle = coarse.cycle(theta)
+        except CycleMapError as error:
+            return [Finding(True, f"from θ0 = {math.degrees(theta):.0f}°: {error}")]
+        shortest = min(shortest, (cycle.push.travel, theta))
+        turns.append(abs(cycle.push_turn))
+    told = []
+    if shortest[0] < asked * (1.0 - 1e-9):
+        told.append(
+            f"the rod slides past the edge after {MM * shortest[0]:.0f} of {MM * asked:.0f} mm "
+            f"(from θ0 = {math.degrees(shortest[1]):.0f}°): take a shorter push_mm, or push nearer to the middle"
+        )
+    if asked < _SHORT_PUSH * loop.slider.outline.extent:
+        told.append(f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?")
+    if max(turns) < math.radians(1.0):
+        told.append(
+            "the push goes through the centre of friction and does not turn the object: move the contact or slant it"
+        )
+    return [Finding(False, words) for words in told]

@@ -1,0 +1,203 @@
+"""A data collection as a TOML protocol file: the settings of its loop, its strategy, and what was predicted of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from decimal import Decimal
+from pathlib import Path
+
+from cyclemap.checks import positive_number, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import DataFileError, InvalidInput, unknown_name
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
+from cyclemap.mechanics import SidePush
+from cyclemap.protocol.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
+from cyclemap.protocol.setting_table import Settings
+from cyclemap.protocol.strategy import ORDERS, RANDOM, CycleAction, ResetStrategy
+from cyclemap.text_files import read_toml, write_whole
+
+Prediction = Mapping[str, object]
+
+_COMMENTS = (
+    "Protocol of a data collection: how the robot pushes the object and drags it back, cycle after cycle.",
+    "Lengths in mm; angles in degrees, counter-clockwise; way-points and directions from the target.",
+    "In Python: cyclemap.read_protocol(FILE). Commands take it as: cyclemap portrait MATERIAL --protocol FILE",
+)
+
+
+def write_protocol(
+    path: str | Path,
+    loop: CollectionLoop,
+    strategy: ResetStrategy | None,
+    *,
+    noise: float | None = None,
+    predicted: Prediction | None = None,
+) -> None:
+    """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
+
+    The file holds the robot's side of the loop as --set keys (the surface is named in a comment only), and the strategy
+    in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy. Its first line is a
+    checksum of the rest. noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers, texts,
+    booleans, lists of them; None is left out), a table that readers pass over.
+
+    Raises InvalidInput for a loop that settings cannot say, OSError where the file cannot be written.
+
+    >>> import tempfile
+    >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     write_protocol(f"{place}/coin.toml", CollectionLoop.mit(), coin, predicted={"tv": 0.04})
+    ...     settings, strategy = read_protocol(f"{place}/coin.toml")
+    >>> strategy == coin, settings["push_mm"]
+    (True, 150)
+    """
+    write_whole(Path(path), protocol_text(loop, strategy, noise=noise, predicted=predicted).encode())
+
+
+def protocol_text(
+    loop: CollectionLoop,
+    strategy: ResetStrategy | None,
+    *,
+    noise: float | None = None,
+    predicted: Prediction | None = None,
+) -> str:
+    """Return the text that `write_protocol` writes."""
+    tables = collection_tables(loop, noise)
+    x, y = (1e3 * part for part in loop.slider.hitch)
+    told = [*_COMMENTS, f"Written for {loop.material.name}, with the ring at ({x:.4f}, {y:.4f}) mm of the object."]
+    if strategy is not None:
+        tables[STRATEGY] = _strategy_table(strategy)
+        needs = f"; needs: {', '.join(strategy.needs)}" if strategy.needs else ""
+        told.append(f"{len(strategy.actions)} actions, {strategy.order}{needs}")
+    if predicted is not None:
+        _check_prediction(predicted)
+        tables[PREDICTED] = {key: value for key, value in predicted.items() if value is not None}
+    return with_checksum(toml_text(tables, tuple(told)))
+
+
+def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
+    """Return the settings of a protocol file, in its units (for `loop_from_settings`), and its strategy.
+
+    Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the strategy is None.
+    Raises DataFileError, naming file, key and value, where the file is none of settings, or holds no strategy.
+    """
+    settings = read_settings(path)
+    # Decimals, so that no number is rounded before its unit is known.
+    tables = read_toml(path, Decimal)
+    with located(str(path), DataFileError):
+        _check_prediction(tables.get(PREDICTED, {}))
+        strategy = _strategy(tables[STRATEGY]) if STRATEGY in tables else None
+    return settings, strategy
+
+
+def _check_prediction(table: object) -> None:
+    if not isinstance(table, Mapping):
+        raise InvalidInput(f"{PREDICTED} must be a table of scores, not {table!r}")
+    for key, value in table.items():
+        if not isinstance(key, str):
+            raise InvalidInput(f"[{PREDICTED}] names its scores by texts, not {key!r}")
+        parts = value if isinstance(value, list) else [value]
+        if value is not None and not all(isinstance(part, (bool, int, float, Decimal, str)) for part in parts):
+            raise InvalidInput(f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}")
+
+
+_PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
+ACTION_KEYS = ("weight", "side", *_PUSH_UNITS, "way_points_mm", "gripper_turn_deg")
+STRATEGY_KEYS = ("order", "block", "hitch_mm", "actions")
+
+
+def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
+    table: dict[str, object] = {"order": strategy.order}
+    if strategy.block is not None:
+        table["block"] = strategy.block
+    if strategy.hitch is not None:
+        table["hitch_mm"] = [MILLIMETRES.written(part) for part in strategy.hitch]
+    actions = []
+    for number, action in enumerate(strategy.actions):
+        told = dict[str, object]()
+        if strategy.weights is not None:
+            told["weight"] = NUMBER.written(strategy.weights[number])
+        if action.push is not None:
+            push = action.push
+            values = zip(_PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True)
+            told |= {"side": push.side, **{key: unit.written(value) for (key, unit), value in values}}
+        if action.way_points is not None:
+            told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in action.way_points]
+        if action.turn or not told:
+            told["gripper_turn_deg"] = DEGREES.written(action.turn)
+        actions.append(told)
+    return {**table, "actions": actions}
+
+
+def _strategy(table: object) -> ResetStrategy:
+    """The strategy of a table [strategy]; InvalidInput that names the place, the key and its value."""
+    with located("[strategy]"):
+        if isinstance(table, Mapping) and "kind" in table:
+            raise InvalidInput(
+                f"kind = {table['kind']!r} is how earlier versions said it: give order, one of {', '.join(ORDERS)}, "
+                "and a table [[strategy.actions]] for each push, drag or gripper's turn"
+            )
+        given = _checked(table, STRATEGY_KEYS, ("actions",))
+        rows = given["actions"]
+        if not isinstance(rows, list) or not rows:
+            raise InvalidInput("actions must be one or more tables [[strategy.actions]]")
+        block = None if "block" not in given else whole_number("block", given["block"], least=1)
+        hitch = None if "hitch_mm" not in given else _point("hitch_mm", given["hitch_mm"])
+    actions, weights = [], []
+    for number, row in enumerate(rows, 1):
+        with located(f"[[strategy.actions]] {number}"):
+            action, weight = _action(row)
+            actions.append(action)
+            weights.append(weight)
+    told = [weight for weight in weights if weight is not None]
+    with located("[strategy]"):
+        if len(told) not in (0, len(weights)):
+            raise InvalidInput(f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or none")
+        return ResetStrategy(tuple(actions), tuple(told) or None, str(given.get("order", RANDOM)), block, hitch)
+
+
+def _action(row: object) -> tuple[CycleAction, float | None]:
+    given = _checked(row, ACTION_KEYS, ())
+    if not given or set(given) == {"weight"}:
+        raise InvalidInput("it is empty: give side, fraction and push_mm, or way_points_mm, or gripper_turn_deg")
+    push = None
+    if {"side", *_PUSH_UNITS} & set(given):
+        whole = _checked({"angle_deg": 0, **{k: v for k, v in given.items() if k in ("side", *_PUSH_UNITS)}},
+                         ("side", *_PUSH_UNITS), ("side", "fraction", "push_mm"))  # fmt: skip
+        push = SidePush(
+            whole_number("side", whole["side"], least=0), *(_number(k, whole[k], u) for k, u in _PUSH_UNITS.items())
+        )
+    points = None
+    if "way_points_mm" in given:
+        places = given["way_points_mm"]
+        if not isinstance(places, list):
+            raise InvalidInput(f"way_points_mm must be a list of points [[x, y], ...], not {places!r}")
+        points = tuple(_point("way_points_mm", place) for place in places)
+    turn = _number("gripper_turn_deg", given.get("gripper_turn_deg", 0), DEGREES)
+    weight = None
+    if "weight" in given:
+        weight = positive_number("weight", _number("weight", given["weight"], NUMBER))
+    return CycleAction(points, push, turn), weight
+
+
+def _number(key: str, value: object, unit: Unit) -> float:
+    with located(f"{key} = {value}"):
+        return unit.read(value)
+
+
+def _point(key: str, value: object) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InvalidInput(f"{key} must hold [x, y], not {value!r}")
+    return _number(key, value[0], MILLIMETRES), _number(key, value[1], MILLIMETRES)
+
+
+def _checked(value: object, known: tuple[str, ...], needed: tuple[str, ...]) -> dict[str, object]:
+    """A table with none but `known` keys and all the `needed` ones."""
+    if not isinstance(value, Mapping):
+        raise InvalidInput(f"must be a table with {', '.join(known)}, not {value!r}")
+    for key in value:
+        if key not in known:
+            raise unknown_name("key", key, known)
+    for key in needed:
+        if key not in value:
+            raise InvalidInput(f"{key} is missing")
+    return dict(value)

@@ -1,0 +1,208 @@
+"""The schedule of a collection as a CSV file for the robot's program: one row a cycle; and back to its actions."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from decimal import Decimal, InvalidOperation
+from itertools import pairwise
+from pathlib import Path
+
+from cyclemap.checks import whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import DataFileError, InvalidInput, unknown_name
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, check_checksum, decimal_text, located, with_checksum
+from cyclemap.mechanics import SidePush
+from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
+from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns, write_whole
+
+PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
+TURN_COLUMN = "gripper_turn_deg"
+_LEG_COLUMNS = ("way_point_{}_x_mm", "way_point_{}_y_mm", "leg_{}_direction_deg", "leg_{}_mm")
+# Told twice, as way-points and as legs: how far the two may be apart (mm).
+_AGREE_MM = 1e-6
+_DECIMALS = 9
+_MOST_DIGITS = 18  # of a whole number
+
+_COMMENTS = (
+    "Schedule of a data collection: what the robot does, one row a cycle. Lengths in mm, angles in degrees,",
+    "counter-clockwise. The rod's centre touches the object at (rod_x_mm, rod_y_mm) and moves push_mm straight along",
+    "(push_dx, push_dy), both in the object's frame as it lies before the push; the same push by side, fraction of it,",
+    "and angle from its inward normal. Then the rod drags the object by its ring, straight to way_point_1, and on",
+    "to the target, which is (0, 0) of the world: leg_k runs from way_point_k to the next one, the last to the target.",
+    "Blank: no such leg; none at all: straight to the target. At last a gripper turns the object about its ring.",
+)
+
+
+def write_schedule(path: str | Path, loop: CollectionLoop, strategy: ResetStrategy, cycles: int, seed: int = 0) -> None:
+    """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of `run_strategy`'s `seed`.
+
+    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg that leaves it
+    (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...); gripper_turn_deg. The first line is a
+    checksum of the rest. Every number that `read_schedule` needs has the digits that give it back exactly; the file is
+    written whole or not at all.
+
+    Raises InvalidInput for a bad value or a push that the object does not allow, OSError where it cannot be written.
+
+    >>> import tempfile
+    >>> loop = CollectionLoop.mit()
+    >>> coin = ResetStrategy.pushes(loop.push, (1, 2))
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     write_schedule(f"{place}/run.csv", loop, coin, 3, seed=1)
+    ...     found = read_schedule(f"{place}/run.csv")
+    >>> found == tuple(action.filled(loop) for action in coin.run(3, seed=1))
+    True
+    """
+    count, number = whole_number("cycles", cycles, least=1), whole_number("seed", seed, least=0)
+    prepared = strategy.prepared(loop)
+    actions = tuple(action.filled(prepared) for action in strategy.run(count, number))
+    ring = ", ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
+    facts = {
+        "strategy": f"{len(strategy.actions)} actions, {strategy.order}",
+        "needs": ", ".join(strategy.needs) or "nothing else",
+        "object": f"{prepared.slider.name}, its ring at ({ring}) mm of its frame",
+        "surface": " ".join(prepared.material.name.split()),
+        "seed": str(number),
+        "cycles": str(count),
+    }
+    write_whole(Path(path), with_checksum(_text(prepared, actions, facts)).encode())
+
+
+def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str, str]) -> str:
+    legs = max(len(action.way_points or ()) for action in actions)
+    starts: dict[SidePush, list[str]] = {}
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(_columns(legs))
+    for cycle, action in enumerate(actions):
+        push, way_points = action.push, action.way_points
+        assert push is not None and way_points is not None
+        if push not in starts:
+            place, way = first_contact(loop.slider, push, loop.pusher.radius)
+            numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
+            told = [decimal_text(unit.written(value)) for unit, value in numbers]
+            starts[push] = [str(push.side), *told, *map(_rounded, (1e3 * place).tolist() + way.tolist())]
+        drag = []
+        for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
+            dx, dy = onward_x - x, onward_y - y
+            drag += [decimal_text(MILLIMETRES.written(part)) for part in (x, y)]
+            drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
+        drag += [""] * (4 * (legs - len(way_points)))
+        writer.writerow([str(cycle), *starts[push], *drag, decimal_text(DEGREES.written(action.turn))])
+    head = [f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))]
+    return "\n".join([*head, table.getvalue()])
+
+
+def _columns(legs: int) -> list[str]:
+    return [*PUSH_COLUMNS, *(name.format(leg) for leg in range(1, legs + 1) for name in _LEG_COLUMNS), TURN_COLUMN]
+
+
+def _rounded(value: float) -> str:
+    """A number that only the robot needs: to a picometre, or a billionth of a degree."""
+    return repr(round(value, _DECIMALS) + 0.0)
+
+
+def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
+    """Return the actions of a file of `write_schedule`, equal to those written, with their pushes and way-points.
+
+    `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them: give the loop the one
+    that the file's comments name.
+
+    Raises DataFileError, naming the line, where the file is cut short, damaged or edited: a cycle missing or out of
+    order, a field that is no number, legs that do not run between the way-points beside them.
+    """
+    table, facts = _read_commented(path)
+    legs = 0
+    while _LEG_COLUMNS[0].format(legs + 1) in table.header:
+        legs += 1
+    require_columns(table, _columns(legs))
+    for name in table.header:
+        if name not in _columns(legs):
+            # A way-point whose name is damaged would be left out in silence.
+            raise DataFileError(f"{path}: {unknown_name('column', name, _columns(legs + 1))}")
+    text = facts.get("cycles", "")
+    if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
+        raise DataFileError(f"{path}: the comment '# cycles: N' is missing or damaged; write the file anew")
+    count = int(text)
+    for number, row in enumerate(table.rows):
+        if table.text(row, "cycle") != str(number):
+            raise table.error(row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow")
+    if len(table.rows) != count:
+        last = table.rows[-1].line
+        raise table.error(last, f"{len(table.rows)} cycles of the {count} that the comments promise; write it anew")
+    return tuple(_action(table, row, legs) for row in table.rows)
+
+
+def _action(table: CsvTable, row: CsvRow, legs: int) -> CycleAction:
+    with located(f"{table.path}, line {row.line}", DataFileError):
+        side = table.text(row, "side")
+        if not side.isdecimal() or len(side) > _MOST_DIGITS:
+            raise table.error(row.line, f"side is {side[:_MOST_DIGITS]!r}; it must be a whole number")
+        fraction, angle, distance = (
+            _number(table, row, column, unit)
+            for column, unit in (("fraction", NUMBER), ("angle_deg", DEGREES), ("push_mm", MILLIMETRES))
+        )
+        for column in PUSH_COLUMNS[5:]:
+            table.number(row, column)
+        push = SidePush(int(side), fraction, angle, distance)
+        return CycleAction(_way_points(table, row, legs), push, _number(table, row, TURN_COLUMN, DEGREES))
+
+
+def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
+    found: list[tuple[float, float]] = []
+    told: list[tuple[float, float]] = []
+    for leg in range(1, legs + 1):
+        x, y, direction, length = columns = [name.format(leg) for name in _LEG_COLUMNS]
+        if not any(table.text(row, column) for column in columns):
+            continue
+        if len(found) < leg - 1:
+            raise table.error(row.line, f"{x} is given, but the way-point before it is blank")
+        found.append((_number(table, row, x, MILLIMETRES), _number(table, row, y, MILLIMETRES)))
+        told.append((math.radians(table.number(row, direction)), table.number(row, length)))
+    runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
+    for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
+        dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
+        if math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing)) > _AGREE_MM:
+            words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
+            raise table.error(row.line, words)
+    return tuple(found)
+
+
+def _number(table: CsvTable, row: CsvRow, column: str, unit: Unit) -> float:
+    """A field of `unit` in SI units, rounded once."""
+    text = table.text(row, column)
+    try:
+        return unit.read(Decimal(text))
+    except (InvalidOperation, InvalidInput) as error:
+        raise table.error(row.line, f"{column} is '{text}'; it must be a finite number") from error
+
+
+def _read_commented(path: str | Path) -> tuple[CsvTable, dict[str, str]]:
+    """A CSV file whose header may follow comments, and their facts `# name: text`.
+
+    An unended last line, cut off in a number, still looks like one.
+    """
+    text = read_text(Path(path), "plain CSV")
+    check_checksum(path, text)
+    lines = text.split("\n")
+    if lines.pop():
+        raise DataFileError(f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file anew")
+    comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
+    rows = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line[0] == "#":
+            continue
+        try:
+            (fields,) = csv.reader([line], strict=True)
+        except csv.Error as error:
+            raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
+        rows.append(CsvRow(number, tuple(field.strip() for field in fields)))
+    if len(rows) < 2:
+        raise DataFileError(f"{path}: a schedule has a header and at least one row; the file is empty or cut off")
+    table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
+    check_shape(table)
+    named = (comment.partition(":") for comment in comments)
+    return table, {name.strip(): fact.strip() for name, colon, fact in named if colon}

@@ -1,0 +1,239 @@
+"""What the robot does in a cycle, and in which order it does one thing or another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.arrays import TWO_PI
+from cyclemap.checks import finite_number, point, positive_number, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import SidePush
+
+Points = tuple[tuple[float, float], ...]
+
+RANDOM, IN_TURN, SHUFFLED = "random", "in turn", "shuffled"
+ORDERS = (RANDOM, IN_TURN, SHUFFLED)
+GRIPPER, RING = "gripper", "ring"
+MOST_ACTIONS, MOST_CYCLES = 10_000, 10_000_000
+# A share counts as a whole number of places in a block to within this.
+_WHOLE = 1e-9
+
+
+@dataclass(frozen=True)
+class CycleAction:
+    """One cycle as a strategy wants it; what is None is done as the loop does it.
+
+    Parameters
+    ----------
+    way_points : (x, y), m, from the target: where the drag goes before its last leg to the target; (): straight.
+    push : the push of this cycle.
+    turn : rad, counter-clockwise: a gripper turns the object about its ring after the drag. The ring stays at the
+        target, so that the state before the next push is still the orientation alone.
+
+    Raises InvalidInput for a value that is not finite, or a push that is not a `SidePush`.
+
+    >>> CycleAction(way_points=((0.05, 0.0),)).on(CollectionLoop.mit()).reset.way_points
+    ((0.05, 0.0),)
+    """
+
+    way_points: Points | None = None
+    push: SidePush | None = None
+    turn: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.way_points is not None:
+            object.__setattr__(self, "way_points", tuple(point("way-point", p) for p in self.way_points))
+        if self.push is not None and not isinstance(self.push, SidePush):
+            raise InvalidInput(f"the push of an action must be a SidePush or None, not {self.push!r}")
+        object.__setattr__(self, "turn", finite_number("gripper turn", self.turn))
+
+    def on(self, loop: CollectionLoop) -> CollectionLoop:
+        """Return the loop with this action's push and way-points; the gripper's turn is no part of a loop."""
+        reset = loop.reset if self.way_points is None else replace(loop.reset, way_points=self.way_points)
+        return replace(loop, push=self.push or loop.push, reset=reset)
+
+    def filled(self, loop: CollectionLoop) -> CycleAction:
+        """Return the same action with the loop's push and way-points where it has none of its own."""
+        acted = self.on(loop)
+        return CycleAction(acted.reset.way_points, acted.push, self.turn)
+
+
+@dataclass(frozen=True)
+class ResetStrategy:
+    """A few actions, how often each comes, and in which order.
+
+    Parameters
+    ----------
+    actions : one or more `CycleAction`.
+    weights : positive, one an action, scaled to shares that sum to one; None: all alike.
+    order : ``random``: drawn anew before every push, so that orientations are a Markov chain. ``in turn``: as listed,
+        again and again; all alike. ``shuffled``: blocks that hold every action as often as its share says, each block
+        in an order of its own.
+    block : of ``shuffled``, how many pushes a block has; None: as few as the shares allow.
+    hitch : (x, y), m, object's frame: the ring's place for the whole collection; None: the loop's.
+
+    Raises InvalidInput for anything else, naming it.
+
+    >>> coin = ResetStrategy.pushes(CollectionLoop.mit().push, (1, 2))
+    >>> coin.shares.tolist(), [action.push.side for action in coin.run(5, seed=1)]
+    ([0.5, 0.5], [2, 2, 1, 2, 1])
+    """
+
+    actions: tuple[CycleAction, ...]
+    weights: tuple[float, ...] | None = None
+    order: str = RANDOM
+    block: int | None = None
+    hitch: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        given = tuple(self.actions) if isinstance(self.actions, Sequence) else ()
+        if not given or not all(isinstance(action, CycleAction) for action in given):
+            raise InvalidInput(f"a strategy is made of one CycleAction or more, not of {self.actions!r}")
+        if len(given) > MOST_ACTIONS:
+            raise InvalidInput(f"{len(given)} actions are more than {MOST_ACTIONS}: give fewer")
+        if self.order not in ORDERS:
+            raise InvalidInput(f"order is {self.order!r}; it must be one of {', '.join(ORDERS)}")
+        object.__setattr__(self, "actions", given)
+        if self.weights is not None:
+            weights = tuple(positive_number("weight of an action", weight) for weight in self.weights)
+            if len(weights) != len(given):
+                raise InvalidInput(f"{len(given)} actions need as many weights, not {len(weights)}")
+            object.__setattr__(self, "weights", None if len(set(weights)) == 1 else weights)
+        if self.order == IN_TURN and self.weights is not None:
+            raise InvalidInput("actions in turn are all alike: list one twice where it should come twice as often")
+        if self.hitch is not None:
+            object.__setattr__(self, "hitch", point("hitch", self.hitch))
+        self._check_block()
+
+    @classmethod
+    def pushes(cls, push: SidePush, sides: Sequence[int]) -> ResetStrategy:
+        """Return the same push on several sides, each alike, drawn before every push.
+
+        >>> len(ResetStrategy.pushes(SidePush(), (0, 1, 2)).actions)
+        3
+        """
+        return cls(tuple(CycleAction(push=replace(push, side=side)) for side in sides))
+
+    @property
+    def shares(self) -> NDArray[np.float64]:
+        """How often each action comes, (k,), summing to one."""
+        weights = np.ones(len(self.actions)) if self.weights is None else np.array(self.weights)
+        # By the largest first: a sum of huge weights would overflow.
+        weights = weights / weights.max()
+        return np.asarray(weights / weights.sum())
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """How often each action comes in a block: of ``shuffled``; else once each."""
+        if self.order != SHUFFLED:
+            return (1,) * len(self.actions)
+        return tuple(round(share * (self.block or self._least_block())) for share in self.shares.tolist())
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What it asks of the robot besides the same rod and ring: "gripper", "ring" (elsewhere), or nothing."""
+        gripper = (GRIPPER,) if any(action.turn for action in self.actions) else ()
+        return gripper if self.hitch is None else (*gripper, RING)
+
+    def prepared(self, loop: CollectionLoop) -> CollectionLoop:
+        """Return the loop as it is set up once, before the first cycle: its ring where the strategy wants it."""
+        return loop if self.hitch is None else replace(loop, slider=replace(loop.slider, hitch=self.hitch))
+
+    def loops(self, loop: CollectionLoop) -> tuple[CollectionLoop, ...]:
+        """Return the loop of each action, its gripper's turn left out."""
+        prepared = self.prepared(loop)
+        return tuple(action.on(prepared) for action in self.actions)
+
+    def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> NDArray[np.int64]:
+        """Return the number of the action of each of `cycles` cycles, (cycles,); the same for the same seed.
+
+        InvalidInput for more than ten million cycles.
+        """
+        count = whole_number("cycles", cycles, least=0)
+        if count > MOST_CYCLES:
+            raise InvalidInput(f"{count} cycles are more than {MOST_CYCLES}: ask for fewer at a time")
+        if self.order == IN_TURN:
+            return np.arange(count) % len(self.actions)
+        random = np.random.default_rng(seed)
+        if self.order == RANDOM:
+            ends = np.cumsum(self.shares)[:-1]
+            return np.searchsorted(ends, random.random(count), side="right")
+        block = np.repeat(np.arange(len(self.actions)), self.counts)
+        blocks = [random.permutation(block) for _ in range(-(-count // block.size))]
+        return np.concatenate([np.empty(0, dtype=np.int64), *blocks])[:count]
+
+    def run(self, cycles: int, seed: int = 0) -> tuple[CycleAction, ...]:
+        """Return what the robot does in each of `cycles` cycles."""
+        return tuple(self.actions[number] for number in self.drawn(cycles, seed).tolist())
+
+    def _least_block(self) -> int:
+        """The least number of pushes in which every action comes as often as its share says; 0 where none will do."""
+        for size in range(len(self.actions), MOST_ACTIONS + 1):
+            often = size * self.shares
+            if np.abs(often - np.round(often)).max() <= _WHOLE * size:
+                return size
+        return 0
+
+    def _check_block(self) -> None:
+        if self.order != SHUFFLED:
+            if self.block is not None:
+                raise InvalidInput(f"a block of {self.block} belongs to the order {SHUFFLED!r}, not to {self.order!r}")
+            return
+        size = self._least_block() if self.block is None else whole_number("block", self.block, least=1)
+        if size > MOST_ACTIONS:
+            raise InvalidInput(f"a block of {size} pushes is larger than {MOST_ACTIONS}: choose a smaller one")
+        often = size * self.shares
+        if not size or np.abs(often - np.round(often)).max() > _WHOLE * size or often.min() < 0.5:
+            shares = ", ".join(f"{share:.4g}" for share in self.shares)
+            raise InvalidInput(f"no block of {size or MOST_ACTIONS} pushes gives shares {shares}: choose other weights")
+
+
+def one_loop(loop: CollectionLoop, strategy: ResetStrategy) -> CollectionLoop | None:
+    """Return the loop that the strategy amounts to where every cycle is the same and needs no gripper; else None.
+
+    >>> leg = ResetStrategy((CycleAction(((0.05, 0.0),)),))
+    >>> one_loop(CollectionLoop.mit(), leg).reset.way_points
+    ((0.05, 0.0),)
+    """
+    actions = set(strategy.actions)
+    alike = len(actions) == 1 and not strategy.actions[0].turn
+    return strategy.loops(loop)[0] if alike else None
+
+
+def overruled_settings(strategy: ResetStrategy) -> tuple[str, ...]:
+    """Return the --set keys that the strategy replaces in every cycle.
+
+    >>> overruled_settings(ResetStrategy((CycleAction(()),)))
+    ('way_points_mm',)
+    """
+    pushes = ("side", "fraction", "angle_deg", "push_mm")
+    keys: tuple[str, ...] = pushes if all(action.push is not None for action in strategy.actions) else ()
+    keys += ("way_points_mm",) if all(action.way_points is not None for action in strategy.actions) else ()
+    return keys if strategy.hitch is None else (*keys, "hitch_x_mm", "hitch_y_mm")
+
+
+def gripper_turns(count: int) -> tuple[CycleAction, ...]:
+    """Return the loop's own cycle followed by one of `count` equal turns of a gripper, the first of them none.
+
+    >>> [round(math.degrees(action.turn)) for action in gripper_turns(4)]
+    [0, 90, 180, 270]
+    """
+    steps = whole_number("turns", count, least=1)
+    return tuple(CycleAction(turn=TWO_PI * step / steps) for step in range(steps))
+
+
+def legs(length: float, count: int) -> tuple[CycleAction, ...]:
+    """Return drags by a place `length` (m) off the target, in `count` equal directions, the first along x.
+
+    >>> [action.way_points for action in legs(0.05, 2)][0]
+    ((0.05, 0.0),)
+    """
+    away, steps = positive_number("leg's length", length), whole_number("directions", count, least=1)
+    angles = [TWO_PI * step / steps for step in range(steps)]
+    return tuple(CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles)

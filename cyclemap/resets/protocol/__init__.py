@@ -1,1 +1,0 @@
-"""Strategies as files: protocols in TOML, and what the robot does cycle by cycle in CSV."""

@@ -1,0 +1,227 @@
+"""How far a set-up is from losing or gaining a stable direction, along every one of its settings."""
+
+import math
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.collection.loop import CollectionLoop, require_loop
+from cyclemap.collection.uncertain_directions import stable_points
+from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
+from cyclemap.maps import Estimate
+from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
+from cyclemap.protocol.settings import loop_from_settings
+
+# Shares of the way to either end of a setting's usual range at which the stable directions are counted.
+_WAY = (0.03125, 0.125, 0.25, 0.5, 0.75, 1.0)
+# rad, of the cycles by which directions are counted; of those by which changes are solved for.
+_COUNTED, _ACCURACY = 1e-6, 1e-10
+# What those are off by, and their slopes; steps of the differences, of the range and rad.
+_CYCLE_ERROR, _SLOPE_ERROR = 1e-9, 1e-6
+_SETTING_STEP, _ANGLE_STEP, _ITERATIONS = 1e-5, 1e-4, 12
+_NODES, _HALVINGS = 96, 12
+# rad: so far a turn is from nought where the directions beside a fold are counted.
+_BESIDE = 1e-3
+SMOOTH = {"saddle-node": 1.0, "period doubling": -1.0}
+
+
+@dataclass(frozen=True)
+class DirectionChange:
+    """A value of a setting at which the number of stable directions changes.
+
+    value : SI units or rad. kind : "saddle-node" (a stable direction and an unstable one merge), "period doubling" (it
+    gives way to two that alternate) or "kink" (elsewise, at a kink or a jump of the map). theta : rad, where; nan at a
+    kink. directions : how many stable ones there are beyond it.
+    """
+
+    value: Estimate
+    kind: str
+    theta: float
+    directions: int
+
+
+@dataclass(frozen=True)
+class DirectionMargin:
+    """How far one setting is from a change of the number of stable directions.
+
+    key : the setting's. value : what the loop has, SI units or rad. directions : how many stable ones it has.
+    below, above : the nearest change on either side; None where there is none down to `low`, or up to `high`, as far
+    as the loop can be run within the usual range. span : length of the usual range.
+    """
+
+    key: str
+    value: float
+    directions: int
+    below: DirectionChange | None
+    above: DirectionChange | None
+    low: float
+    high: float
+    span: float
+
+    @property
+    def nearest(self) -> DirectionChange | None:
+        """The nearer of the two."""
+        found = [change for change in (self.below, self.above) if change is not None]
+        return min(found, key=lambda change: abs(change.value - self.value), default=None)
+
+    @property
+    def share(self) -> float:
+        """The distance of the nearest change as a share of the usual range; inf where there is none."""
+        return math.inf if self.nearest is None else abs(self.nearest.value - self.value) / self.span
+
+
+def direction_margins(
+    loop: CollectionLoop, keys: tuple[str, ...] | None = None, progress: Callable[[float], None] | None = None
+) -> tuple[DirectionMargin, ...]:
+    """Return how far a loop is from losing or gaining a stable direction along each of its settings, nearest first.
+
+    keys : settings, all that have a usual range by default, each alone being changed within that range.
+    `progress` is called with the fraction done.
+
+    The stable directions are counted at 1/32, 1/8, 1/4, 1/2, 3/4 and all of the way to either end of the range; between
+    the first two that differ, f(θ) = θ with f'(θ) = 1, or -1, is solved for θ and the setting by Newton's method on
+    cycles good to 1e-10, and held only where the number changes across it; else halving encloses the change. So a
+    direction that comes and goes between two of those values is missed, and jumps about which orbits gather do not
+    count. Bounds are of first order in the errors of a cycle (1e-9 rad) and of its slope (1e-6), and of the difference
+    steps; those of a "kink" enclose.
+
+    Raises InvalidInput for an unknown key, or one without a usual range or a value here.
+
+    >>> ring, rod = direction_margins(CollectionLoop.mit(), ("hitch_x_mm", "pusher_mu"))
+    >>> ring.nearest.kind, ring.nearest.directions, round(1000 * ring.nearest.value, 4), rod.nearest
+    ('saddle-node', 0, -6.2714, None)
+    """
+    require_loop(loop)
+    report = progress or (lambda fraction: None)
+    known = [one for one in SETTINGS.values() if _value(one, loop) is not None]
+    chosen = known if keys is None else [setting_named(key) for key in keys]
+    for one in chosen:
+        if one not in known:
+            raise InvalidInput(
+                f"{one.key} has no usual range or no value here: ask for some of "
+                f"{', '.join(other.key for other in known)}"
+            )
+    count = len(stable_points([replace(loop, accuracy=_COUNTED)])[0])
+    found = []
+    for place, setting in enumerate(chosen):
+        value, unit = _value(setting, loop), float(setting.unit.in_si)
+        assert value is not None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DoubtfulInput)  # of places of the ring that are only tried
+            sides = [_Way(loop, setting, value, end * unit, count).nearest() for end in (setting.low, setting.high)]
+        (below, low), (above, high) = sides
+        span = unit * (setting.high - setting.low)
+        found.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
+        report((place + 1) / len(chosen))
+    return tuple(sorted(found, key=lambda margin: margin.share))
+
+
+def _value(setting: Setting, loop: CollectionLoop) -> float | None:
+    value = setting.of(loop) if setting.place and math.isfinite(setting.low) else None
+    return value if isinstance(value, float) and setting.low < setting.high else None
+
+
+@dataclass(frozen=True)
+class _Way:
+    """From the value that a loop has, with so many stable directions, to an end of the setting's range."""
+
+    loop: CollectionLoop
+    setting: Setting
+    value: float
+    end: float
+    count: int
+
+    def at(self, value: float, accuracy: float) -> CollectionLoop:
+        """The loop with the setting at a value, SI."""
+        set_there = loop_from_settings({self.setting.key: value / float(self.setting.unit.in_si)}, self.loop)
+        return replace(set_there, accuracy=accuracy)
+
+    def counted(self, value: float) -> int:
+        """How many stable directions there are."""
+        return len(stable_points([self.at(value, _COUNTED)])[0])
+
+    def nearest(self) -> tuple[DirectionChange | None, float]:
+        """The nearest change, and how far it was looked for."""
+        last = self.value
+        for share in _WAY:
+            value = self.value + share * (self.end - self.value)
+            try:
+                beyond = self.counted(value)
+            except CycleMapError:  # the loop cannot be run there
+                break
+            if beyond != self.count:
+                return self._between(last, value, beyond), value
+            last = value
+        return None, last
+
+    def _between(self, near: float, far: float, beyond: int) -> DirectionChange:
+        """The change of the number between two values."""
+        rich = near if beyond < self.count else far
+        for theta, target in sorted(self._starts(rich), key=lambda start: -start[1]):
+            solved = self._solved(theta, rich, target, (min(near, far), max(near, far)))
+            if solved is None:
+                continue
+            root, value, beside = solved
+            beside = min(beside, 0.25 * abs(far - near)) * math.copysign(1.0, far - near)
+            counts = [self.counted(value + side * beside) for side in (-1.0, 1.0)]
+            if counts[0] == self.count != counts[1]:
+                kind = next(name for name, slope in SMOOTH.items() if slope == target)
+                return DirectionChange(value, kind, root % TWO_PI, counts[1])
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (near + far)
+            many = self.counted(middle)
+            near, far, beyond = (middle, far, beyond) if many == self.count else (near, middle, many)
+        return DirectionChange(Estimate(0.5 * (near + far), 0.5 * abs(far - near)), "kink", math.nan, beyond)
+
+    def _starts(self, value: float) -> Iterator[tuple[float, float]]:
+        """Angles of a map at which Newton's method begins, and the slope that it seeks: where the slope passes it."""
+        theta = TWO_PI * np.arange(_NODES) / _NODES
+        batch = run_batch((self.at(value, _COUNTED),), theta[None], 1)
+        slope, turn = batch.jacobian[0, :, -1, 0], np.abs(shorter_way(batch.theta_next[0] - theta))
+        for target in SMOOTH.values():
+            passes = np.flatnonzero((slope - target) * (np.roll(slope, -1) - target) <= 0.0)
+            yield from ((float(theta[at]), target) for at in passes[np.argsort(turn[passes])])
+
+    def _solved(
+        self, theta: float, value: float, target: float, ends: tuple[float, float]
+    ) -> tuple[float, Estimate, float] | None:
+        """Where the turn is whole and the slope ``target``: angle and value; and what moves the turn by 1 mrad."""
+        step = _SETTING_STEP * float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
+        slack = 0.5 * (ends[1] - ends[0])
+        for _ in range(_ITERATIONS):
+            try:
+                residual, matrix = self._system(theta, value, target, step)
+            except CycleMapError:
+                return None
+            if not abs(np.linalg.det(matrix)) > 1e-12:
+                return None
+            moved = -np.linalg.solve(matrix, residual)
+            theta, value = theta + float(np.clip(moved[0], -0.3, 0.3)), value + float(moved[1])
+            if not ends[0] - slack <= value <= ends[1] + slack:
+                return None
+            if abs(moved[1]) < 1e-3 * step and abs(moved[0]) < 1e-6:
+                break
+        else:
+            return None
+        if not ends[0] <= value <= ends[1]:
+            return None
+        row = np.abs(np.linalg.inv(matrix)[1])
+        off = np.abs(residual) + np.array([_CYCLE_ERROR, _SLOPE_ERROR])
+        error = float(row @ off) + abs(float(moved[1]))
+        return theta, Estimate(value, error), _BESIDE / max(abs(float(matrix[0, 1])), 1e-300)
+
+    def _system(self, theta: float, value: float, target: float, step: float) -> tuple[Array, Array]:
+        """(turn, slope - target), and the derivative by the angle and the value, by centred differences."""
+        loops = [self.at(value + k * step, _ACCURACY) for k in (-1, 0, 1)]
+        angles = np.tile(theta + _ANGLE_STEP * np.arange(-1.0, 2.0), (3, 1))
+        batch = run_batch(loops, angles, 1)
+        slope = batch.jacobian[:, :, -1, 0]
+        turn = float(shorter_way(batch.theta_next[1, 1] - theta))
+        push = float(batch.theta_next[2, 1] - batch.theta_next[0, 1]) / (2.0 * step)
+        bend = float(slope[1, 2] - slope[1, 0]) / (2.0 * _ANGLE_STEP)
+        twist = float(slope[2, 1] - slope[0, 1]) / (2.0 * step)
+        return np.array([turn, slope[1, 1] - target]), np.array([[slope[1, 1] - 1.0, push], [bend, twist]])

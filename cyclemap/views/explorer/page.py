@@ -1,0 +1,185 @@
+"""Explorer and report as one HTML file: the engine inside it, as WebAssembly; the same bytes for the same input.
+
+Its policy lets in only the scripts and styles it was written with, by their digests, and no request at all.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib import metadata, resources
+from pathlib import Path
+
+import jinja2
+import numpy as np
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection.portrait_curves import portrait_curves
+from cyclemap.evidence import Theta0Pairs
+from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
+from cyclemap.protocol.collection_file import collection_tables, plain_numbers
+from cyclemap.protocol.setting_table import SHAPES, SHARES
+from cyclemap.views.explorer.answers import measured, of_portrait, slider_controls, slider_values
+from cyclemap.views.portrait_page import portrait_page
+from cyclemap.views.style import render
+
+_PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
+_WORKER = ("engine.js", "circle.js", "worker.js")
+# The ring of the stories is moved along its own direction, up to this many of its distances from the origin; from the
+# origin itself along x, up to so many metres.
+_FARTHEST, _FARTHEST_FROM_ORIGIN = 1.8, 0.04
+# Settings of the stories' floor, where the own one has none to tell.
+_USUAL_FLOOR = ("mu_a", "mu_b", "phi_deg", "m0", "n0")
+_DOTS_PER_INCH = 56
+_FRAME_HEIGHT = 860
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with its paragraphs, and a picture as PNG with what it shows, where there is one."""
+
+    title: str
+    paragraphs: tuple[str, ...]
+    picture: bytes = b""
+    shows: str = ""
+
+    @property
+    def image(self) -> str:
+        """The picture as an address of its own."""
+        return f"data:image/png;base64,{base64.b64encode(self.picture).decode()}"
+
+
+@dataclass(frozen=True)
+class Download:
+    """A file inside the page: its name, and its text."""
+
+    name: str
+    text: str
+
+    @property
+    def address(self) -> str:
+        """The file as an address of its own."""
+        return f"data:text/plain;charset=utf-8;base64,{base64.b64encode(self.text.encode()).decode()}"
+
+
+def page_html(
+    found: Portrait,
+    start: float,
+    words: Sequence[str],
+    settings: Mapping[str, object],
+    *,
+    pairs: Theta0Pairs | None = None,
+    sections: Sequence[Section] = (),
+    downloads: Sequence[Download] = (),
+    provenance: Sequence[tuple[str, str]] = (),
+) -> str:
+    """The page of a portrait as HTML.
+
+    start : rad, of the animated cycles and the staircase. words, settings : what a command line that gives the same
+    loop names, for the one that the page offers. pairs : measured orientations. sections, downloads, provenance : what
+    a report tells beneath, in order. The portrait as a picture is shown where scripts do not run.
+    """
+    loop, sigma = found.loop, found.noise.sigma
+    values, tables = slider_values(loop, sigma), browser_tables(loop.model, loop.reset)
+    data = {
+        "name": loop.material.name,
+        "answer": of_portrait(found, start),
+        "measured": measured(pairs),
+        "controls": slider_controls(loop, values, tables),
+        "values": values,
+        "start_deg": math.degrees(start) % 360.0,
+        "cycles": found.staircase.cycles,
+        "tables": tables,
+        "stories": _stories(loop),
+        "words": list(words),
+        "settings": {
+            key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in settings.items()
+        },
+        "wasm": base64.b64encode(wasm_engine()).decode(),
+    }
+    style = "\n".join(_file(name) for name in ("page.css", "uplot/uPlot.min.css"))
+    plot = _file("uplot/uPlot.iife.min.js")
+    script = "\n".join(_file(name) for name in ("drawing.js", "page.js"))
+    policy = (
+        f"default-src 'none'; script-src {_digest(plot)} {_digest(script)} 'wasm-unsafe-eval'; worker-src blob:; "
+        f"style-src {_digest(style)}; img-src data:; base-uri 'none'; form-action 'none'"
+    )
+    page = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    return page.from_string(_file("page.html")).render(
+        data=data,
+        picture=base64.b64encode(_still(found)).decode(),
+        policy=policy,
+        style=style,
+        plot=plot,
+        worker="\n".join(map(_file, _WORKER)),
+        script=script,
+        sections=sections,
+        downloads=downloads,
+        provenance=provenance,
+    )
+
+
+@dataclass(frozen=True)
+class ExplorerFrame:
+    """A page that a notebook shows in a frame of its own; where its scripts are not trusted, the picture (PNG)."""
+
+    page: str
+    picture: bytes
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, object]:
+        look = f'width="100%" height="{_FRAME_HEIGHT}" style="border: 1px solid #ccc"'
+        frame = f'<iframe sandbox="allow-scripts allow-downloads" {look} srcdoc="{escape(self.page)}"></iframe>'
+        return {"text/html": frame, "image/png": base64.b64encode(self.picture).decode()}
+
+
+def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> ExplorerFrame:
+    """Return the page of a loop for a notebook, 400 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
+
+    >>> from cyclemap import CollectionLoop
+    >>> sorted(explorer_frame(CollectionLoop.mit("plywood"))._repr_mimebundle_())
+    ['image/png', 'text/html']
+    """
+    found, tables = portrait(loop, sigma=sigma), collection_tables(loop)
+    settings = {key: value for table in tables.values() for key, value in plain_numbers(table).items()}
+    return ExplorerFrame(page_html(found, 0.0, (loop.material.name,), settings), _still(found))
+
+
+def _still(found: Portrait) -> bytes:
+    """The portrait as a small picture."""
+    return render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)
+
+
+def provenance_of(found: Portrait, command: str, inputs: Sequence[Path]) -> list[tuple[str, str]]:
+    """Where a report comes from: the command that made it, the digests of what it read, versions."""
+    versions = [f"{name} {metadata.version(name)}" for name in _PACKAGES]
+    return [
+        ("command", command),
+        ("seed", str(found.staircase.seed)),
+        *((f"input {path.name}", f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}") for path in inputs),
+        ("material", found.loop.material.provenance or "as named on the command line"),
+        ("versions", ", ".join([*versions, f"Python {platform.python_version()}"])),
+    ]
+
+
+def _stories(loop: CollectionLoop) -> dict[str, object]:
+    """Where the page looks for its three stories: the line of the ring (mm), and a floor to fall back on."""
+    hitch = np.asarray(loop.slider.hitch)
+    distance = math.hypot(*hitch)
+    along = (hitch / distance).tolist() if distance > 0.0 else [1.0, 0.0]
+    usual = slider_values(CollectionLoop.mit("plywood"), 0.0)
+    floor = {key: usual[key] for key in _USUAL_FLOOR} | dict.fromkeys((*SHAPES, *SHARES), 0.0)
+    return {"along": along, "farthest": 1e3 * (_FARTHEST * distance or _FARTHEST_FROM_ORIGIN), "floor": floor}
+
+
+def _digest(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _file(name: str) -> str:
+    return resources.files("cyclemap.views.explorer").joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,158 @@
+"""Curves of bifurcations in a plane of two parameters, and their points of codimension two."""
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+
+from cyclemap.maps import (
+    CircleMap,
+    bifurcation_curves,
+    bifurcations,
+    follow_bifurcation,
+    period_doublings,
+    saddle_nodes,
+    tongue,
+)
+from tests.refusals import refused
+
+TWO_PI = 2 * np.pi
+PLANE = (0.0, 0.6), (-1.0, 2.0)
+
+
+def born(period, winding, ends):
+    """A saddle-node of the sine family at K = 0.9."""
+    return saddle_nodes(lambda omega: CircleMap.arnold(omega, 0.9), ends, period, winding, resolution=2)[0]
+
+
+def two_waves(shift, first, second):
+    return CircleMap(
+        lambda x: x + shift - first * np.sin(x) - second * np.sin(2 * x),
+        lambda x: 1 - first * np.cos(x) - 2 * second * np.cos(2 * x),
+    )
+
+
+@pytest.mark.parametrize(
+    ("ratio", "ends"), [((0, 1), (0.1, 0.2)), ((1, 2), (0.45, 0.5)), ((1, 3), (0.33, 0.345)), ((2, 5), (0.4, 0.405))]
+)
+def test_edges_of_sine_tongues_end_in_their_tips_at_no_kick_and_agree_with_the_tongues(ratio, ends):
+    edge = follow_bifurcation(CircleMap.arnold, born(ratio[1], ratio[0], ends), 0.9, *PLANE)
+    assert sorted(edge.ends) == ["end of the plane", "tip"] and edge.residual < 1e-12
+    (tip,) = edge.special
+    assert tip.kind == "tip" and tip.first.holds(ratio[0] / ratio[1]) and tip.second.holds(0.0)
+    assert max(tip.first.error_bound, tip.second.error_bound) < 1e-3
+    for index in np.flatnonzero((edge.second > 0.2) & (edge.second < 1.0))[::6]:
+        known = tongue(lambda omega, K=edge.second[index]: CircleMap.arnold(omega, K), ratio, (-0.5, 1.0))
+        assert min(abs(edge.first[index] - side) for side in (known.left, known.right)) < 1e-10
+
+
+def test_fixed_points_of_the_sine_family_double_on_a_hyperbola_with_a_known_coefficient():
+    (start,) = period_doublings(lambda omega: CircleMap.arnold(omega, 2.5), (0.1, 0.5), resolution=4)
+    curve = follow_bifurcation(CircleMap.arnold, start, 2.5, (-1.0, 1.0), (-1.0, 5.0))
+    assert curve.first.min() < -0.5 and curve.first.max() > 0.5  # round the fold in K at K = 2
+    assert np.max(np.abs((TWO_PI * curve.first) ** 2 - curve.second**2 + 4)) < 1e-12
+    # With F'' = K sin θ, F''' = K cos θ = 2.
+    assert np.max(np.abs(curve.coefficient - ((curve.second**2 - 4) / 4 + 1 / 3))) < 1e-8
+    assert curve.special == ()
+
+
+def test_a_loop_of_period_doublings_closes():
+    def family(p, q):
+        return CircleMap.arnold(0.0, 2.5 - p**2 - 4 * q**2)
+
+    (start,) = period_doublings(lambda p: family(p, 0.1), (0.1, 1.0), resolution=4)
+    curve = follow_bifurcation(family, start, 0.1, (-1.0, 1.0), (-1.0, 1.0))
+    assert curve.ends == ("closed", "closed")
+    assert np.max(np.abs(curve.first**2 + 4 * curve.second**2 - 0.5)) < 1e-13
+    angle = np.unwrap(np.arctan2(2 * curve.second, curve.first))
+    assert abs(abs(angle[-1] - angle[0]) - TWO_PI) < 1e-12
+
+
+def test_cusps_and_generalised_flips_of_random_families_lie_within_their_bounds_of_their_equations_roots():
+    """The equations of each point, written out for two waves with phases, are solved by themselves."""
+    rng, counts = np.random.default_rng(4), {"cusp": 0, "generalised flip": 0}
+    for _ in range(3):
+        phase, twist = rng.uniform(-0.3, 0.3, 2)
+        size = -0.45 + rng.uniform(-0.03, 0.03)
+
+        def derivative(order, x, p, q, phase=phase, twist=twist, size=size):
+            wave = [np.sin, np.cos, lambda y: -np.sin(y), lambda y: -np.cos(y)][order % 4]
+            whole = (x + p, 1.0 + 0 * x, 0 * x, 0 * x)[order]
+            second = size + twist * q
+            return whole - q * wave(x) - 2**order * second * wave(2 * x + phase)
+
+        def family(p, q, derivative=derivative):
+            return CircleMap(lambda x: derivative(0, x, p, q), lambda x: derivative(1, x, p, q))
+
+        conditions = {
+            "cusp": lambda v, d=derivative: [d(0, *v) - v[0], d(1, *v) - 1, d(2, *v)],
+            "generalised flip": lambda v, d=derivative: [
+                d(0, *v) - v[0],
+                d(1, *v) + 1,
+                d(2, *v) ** 2 / 4 + d(3, *v) / 6,
+            ],
+        }
+        for height, finder in ((0.4, saddle_nodes), (2.87, period_doublings)):
+            for start in finder(lambda p, height=height: family(p, height), (-2.2, 2.2), resolution=4):
+                for point in follow_bifurcation(family, start, height, (-2.5, 2.5), (0.1, 3.5)).special:
+                    guess = [point.points[0], float(point.first), float(point.second)]
+                    root, _, done, _ = fsolve(conditions[point.kind], guess, xtol=1e-14, full_output=True)
+                    assert done == 1 or max(np.abs(conditions[point.kind](root))) < 1e-13
+                    assert point.first.holds(root[1]) and point.second.holds(root[2])
+                    assert point.first.error_bound < 1e-7 and point.second.error_bound < 1e-7
+                    counts[point.kind] += 1
+    assert min(counts.values()) >= 2
+
+
+def test_saddle_nodes_of_twice_the_period_end_in_the_generalised_flip_that_the_doubling_tells():
+    def family(K, b):
+        return two_waves(0.1, K, b)
+
+    ends = (1.5, 3.5), (-0.6, 0.2)
+    (flip,) = period_doublings(lambda K: family(K, -0.4), ends[0], resolution=3)
+    (fold,) = saddle_nodes(lambda K: family(K, -0.4), (2.6, 2.9), 2, resolution=3)
+    (told,) = follow_bifurcation(family, flip, -0.4, *ends).special
+    curve = follow_bifurcation(family, fold, -0.4, *ends)
+    assert "half the period" in curve.ends
+    (met,) = curve.special
+    assert told.kind == met.kind == "generalised flip"
+    for one, other in ((told.first, met.first), (told.second, met.second)):
+        assert abs(one - other) <= one.error_bound + other.error_bound < 1e-8
+
+
+def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():
+    """Slopes ±q - 0.2 cos θ on the halves: at q = ±0.2 a fold runs into the kink at 0 or π."""
+
+    def family(p, q):
+        return CircleMap(
+            lambda x: x + p + q * (np.abs(np.mod(x + np.pi, TWO_PI) - np.pi) - np.pi / 2) - 0.2 * np.sin(x),
+            lambda x: 1 + q * np.where(np.mod(x, TWO_PI) < np.pi, 1.0, -1.0) - 0.2 * np.cos(x),
+            breaks=[0.0, np.pi],
+        )
+
+    found = bifurcations(lambda p: family(p, 0.1), (0.05, 0.8), resolution=4)
+    kinds = {}
+    for start in found:
+        curve = follow_bifurcation(family, start, 0.1, (-1.0, 1.0), (-0.5, 0.5))
+        kinds.setdefault(curve.kind, []).append(curve)
+        if curve.kind == "border-collision":
+            assert np.max(np.abs(np.abs(curve.first) - np.abs(curve.second) * np.pi / 2)) < 1e-12
+        assert [point.kind for point in curve.special] == ["border saddle-node"] * 2
+        for point in curve.special:
+            assert abs(abs(point.first) - 0.1 * np.pi) <= point.first.error_bound < 1e-5
+            assert abs(abs(point.second) - 0.2) <= point.second.error_bound < 1e-5
+    assert set(kinds) == {"border-collision", "saddle-node"}
+    assert kinds["saddle-node"][0].ends == ("border collision", "border collision")
+
+
+@pytest.mark.slow
+def test_all_curves_of_a_plane_are_met_once():
+    curves = bifurcation_curves(CircleMap.arnold, (-0.6, 0.6), (0.0, 4.0), lines=2)
+    assert sorted(curve.kind for curve in curves) == ["period-doubling", "saddle-node", "saddle-node"]
+
+
+def test_what_is_no_start_is_refused():
+    start = born(1, 0, (0.1, 0.2))
+    refused(follow_bifurcation, CircleMap.arnold, 0.3, 0.9, *PLANE, told="start is 0.3")
+    refused(follow_bifurcation, CircleMap.arnold, start, 0.5, *PLANE, told="there is no saddle-node")
+    refused(follow_bifurcation, CircleMap.arnold, start, 0.9, (0.5, 0.1), (0, 1), told="first")
+    refused(bifurcation_curves, CircleMap.arnold, (0.0, 1.0), (0.0, 1.0), lines=0, told="lines")

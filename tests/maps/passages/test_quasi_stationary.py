@@ -1,0 +1,83 @@
+"""Quasi-stationary distributions: rates and sides of escape by passages, survival, symmetry and moved maps."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import (
+    CircleMap,
+    WrappedCauchy,
+    WrappedNormal,
+    hitting_probability,
+    mean_passage_time,
+    quasi_stationary,
+    survival_probabilities,
+)
+from tests.maps.known_maps import DROPPING
+
+STICKY = CircleMap.arnold(0.05, 0.9)
+ARC = (-1.0, 2.5)
+
+
+@pytest.mark.parametrize("noise", [WrappedNormal(0.5), WrappedCauchy(0.5)])
+def test_passages_that_begin_with_it_last_as_long_as_its_rate_says(noise):
+    found = quasi_stationary(STICKY, noise, ARC)
+    x, w = np.polynomial.legendre.leggauss(24)
+    theta, weight = 0.75 + 1.75 * x, 1.75 * w
+    density = found.density(theta)
+    assert weight @ density == pytest.approx(1.0, abs=1e-9)
+    times = [mean_passage_time(STICKY, noise, start, ARC, lifted=True) for start in theta]
+    assert weight @ (density * times) == pytest.approx(1 / found.escape_rate, rel=1e-9)
+    assert found.below + found.above == pytest.approx(1.0, abs=found.below.error_bound + found.above.error_bound)
+
+
+@pytest.mark.parametrize("circle_map", [STICKY, CircleMap.arnold(0.3, 3.0), DROPPING])
+def test_after_long_the_chance_of_staying_falls_by_its_rate(circle_map):
+    noise = WrappedNormal(0.5)
+    found = quasi_stationary(circle_map, noise, ARC)
+    chances = survival_probabilities(circle_map, noise, 0.8, ARC, 60, lifted=True)
+    rate = found.escape_rate
+    assert abs(1 - chances[60] / chances[59] - rate) <= rate.error_bound + 1e-12
+    assert found.density(np.array([-1.01, 2.51])).tolist() == [0.0, 0.0]
+
+
+def test_sides_are_those_of_the_arc_that_is_reached_first():
+    noise = WrappedNormal(0.4)
+    found = quasi_stationary(STICKY, noise, ARC)
+    x, w = np.polynomial.legendre.leggauss(24)
+    sides = [hitting_probability(STICKY, noise, start, (2.5, 4.0), (-2.2, -1.0)) for start in 0.75 + 1.75 * x]
+    assert 1.75 * w @ (found.density(0.75 + 1.75 * x) * sides) == pytest.approx(found.above, abs=1e-6)
+    assert 1e-4 < found.above < 0.2
+
+
+def test_an_odd_map_slips_to_both_sides_alike_however_rarely():
+    found = quasi_stationary(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.2), (-3.0, 3.0))
+    assert found.below.holds(0.5) and found.above.holds(0.5)
+    assert found.escape_rate < 1e-25 and found.escape_rate.error_bound < 1e-12 * found.escape_rate
+    time = mean_passage_time(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.2), 0.0, (-3.0, 3.0), lifted=True)
+    assert abs(time * found.escape_rate - 1) < 1e-11
+
+
+def test_bounds_hold_for_maps_moved_by_what_they_may_be_off():
+    rng, off = np.random.default_rng(3), 1e-5
+    for _ in range(25):
+        omega, K, sigma = rng.uniform(-0.1, 0.1), rng.uniform(0.3, 1.6), rng.uniform(0.2, 0.6)
+        plain = CircleMap.arnold(omega, K)
+        claimed = CircleMap(plain, plain.derivative, max_error=off)
+        phase, waves = rng.uniform(0.0, 6.0), rng.integers(0, 5)
+        moved = CircleMap(lambda x, m=plain, w=waves, p=phase: m(x) + off * np.cos(w * x + p), plain.derivative)
+        ends = (rng.uniform(-2.5, -1.0), rng.uniform(1.0, 2.5))
+        one, other = (quasi_stationary(a_map, WrappedNormal(sigma), ends) for a_map in (claimed, moved))
+        for name in ("escape_rate", "below", "above"):
+            value = getattr(one, name)
+            # To first order: the second one is a share of sqrt(bound).
+            assert abs(value - getattr(other, name)) <= 1.01 * value.error_bound
+
+
+def test_bad_requests_are_refused():
+    with pytest.raises(InvalidInput, match="arc"):
+        quasi_stationary(STICKY, WrappedNormal(0.3), (1.0,))
+    with pytest.raises(InvalidInput, match="the noise is None"):
+        quasi_stationary(STICKY, None, ARC)
+    with pytest.raises(ConvergenceError, match="escape rate"):
+        quasi_stationary(CircleMap(lambda x: x - 0.45 * np.sin(2 * x)), WrappedNormal(0.05), (-1.5, 4.7))

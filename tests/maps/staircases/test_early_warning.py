@@ -1,0 +1,43 @@
+"""The multiplier of the last cycles of a resting path."""
+
+import numpy as np
+import pytest
+
+from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, rest_multiplier, sample_staircases
+from tests.refusals import refused
+
+
+def paths(multiplier, count=200, size=101, seed=3):
+    kicks = np.random.default_rng(seed).normal(0.0, 0.01, (count, size))
+    kicks[:, 0] /= np.sqrt(1 - multiplier**2)
+    for n in range(1, size):
+        kicks[:, n] += multiplier * kicks[:, n - 1]
+    return kicks
+
+
+@pytest.mark.parametrize("multiplier", [-0.5, 0.0, 0.8, 0.97])
+def test_intervals_hold_the_truth_in_95_of_100_paths_and_the_value_lies_above_it_as_often_as_below(multiplier):
+    found = [rest_multiplier(path) for path in paths(multiplier)]
+    held = np.mean([one.lower <= multiplier <= one.upper for one in found])
+    above = np.mean([one.value > multiplier for one in found])
+    # Three standard deviations of 200 trials.
+    assert held >= 0.95 - 0.047 and 0.5 - 0.106 <= above <= 0.5 + 0.106
+
+
+def test_it_is_the_multiplier_of_the_fixed_point_that_a_noisy_map_rests_at_on_the_lift_or_off_it():
+    sticky = CircleMap.arnold(0.05, 0.4)
+    (stable,) = [orbit for orbit in fixed_points(sticky) if orbit.stable]
+    climbing = sample_staircases(sticky, WrappedNormal(0.01), 160, np.full(40, stable.points[0]), seed=2)
+    found = [rest_multiplier(path) for path in climbing]
+    assert np.mean([one.lower <= stable.multiplier <= one.upper for one in found]) > 0.85
+    assert all(abs(one.theta - stable.points[0]) < 0.1 and one.cycles == 100 for one in found)
+    wrapped = rest_multiplier(np.mod(climbing[0] + 6.0 * np.pi - stable.points[0], 2 * np.pi))
+    assert abs(wrapped.value - found[0].value) < 1e-9
+
+
+def test_what_does_not_rest_has_none():
+    assert rest_multiplier(np.linspace(0.0, 6.0, 101)) is None
+    assert rest_multiplier(np.zeros(10)) is None
+    assert rest_multiplier(np.zeros(101)) is None
+    refused(rest_multiplier, [0.0] * 30, 5, told="last must be at least 20")
+    refused(rest_multiplier, [np.nan] * 30, told="finite")

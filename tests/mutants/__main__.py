@@ -1,0 +1,135 @@
+"""Plant faults one by one in a scratch copy, and see which die: `python -m tests.mutants [PATH ...] [--seconds N]`.
+
+A fault dies where a test of its own room fails; of those that live the file and the replaced text are printed, and the
+score. PATH : of files under cyclemap (or how they begin), all without. Results are told as they come.
+"""
+
+import argparse
+import importlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import pytest
+
+from tests.mutants.planted_faults import FAULTS
+
+ROOT = Path(__file__).resolve().parents[2]
+COPIED = ("cyclemap", "tests", "figures", "theory", "building", "docs")
+COPIED_FILES = ("pyproject.toml", "setup.py", "README.md", "run.py", "CHANGELOG.md", "MANIFEST.in")
+# Imported once, before the forks; nothing of the project is.
+LIBRARIES = ("numpy", "scipy.stats", "scipy.optimize", "scipy.interpolate", "scipy.linalg", "scipy.special", "pandas")
+LIBRARIES += ("matplotlib.figure", "click", "rich.console", "rich.table", "sympy")
+DIED, LIVED, LATE = "died", "lived", "took too long"
+
+
+def scratch_copy(folder: Path) -> None:
+    """What tests need of the project, where faults may be planted."""
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "_build"))
+    for name in COPIED_FILES:
+        shutil.copy(ROOT / name, folder / name)
+
+
+def build(folder: Path) -> bool:
+    """Compile the engine of the copy; whether it can be."""
+    words = [sys.executable, "building/engine_library.py"]
+    return subprocess.run(words, cwd=folder, capture_output=True, check=False).returncode == 0
+
+
+def run_tests(folder: Path, words: list[str], seconds: float) -> int | None:
+    """The exit code of pytest in the copy, in a fork that has its libraries already; None where it takes too long."""
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        os.chdir(folder)
+        os.environ["PYTHONPATH"] = str(folder)
+        sys.dont_write_bytecode = True
+        sys.path.insert(0, str(folder))
+        for name in [name for name in sys.modules if name.partition(".")[0] == "tests"]:
+            del sys.modules[name]
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        os._exit(int(pytest.main(words)))
+    late = time.monotonic() + seconds
+    while time.monotonic() < late:
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.05)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return None
+
+
+def outcome(folder: Path, tests: str, seconds: float) -> str:
+    """How the tests take what is in the copy: the quick ones, then the slow."""
+    for kind in ("not slow", "slow"):
+        code = run_tests(folder, ["-q", "-x", "-p", "no:cacheprovider", "-m", kind, *tests.split()], seconds)
+        if code is None:
+            return LATE
+        # 5: there is no test of that kind.
+        if code not in (0, 5):
+            return DIED
+    return LIVED
+
+
+def planted(folder: Path, name: str, fault: tuple[str, str], tests: str, seconds: float) -> str:
+    """What becomes of one fault; the copy is left as it was."""
+    path = folder / "cyclemap" / name
+    whole, (text, instead) = path.read_text(encoding="utf-8"), fault
+    if whole.count(text) != 1:
+        raise SystemExit(f"{name}: {whole.count(text)} times {text!r}: a fault's text must stand there once")
+    path.write_text(whole.replace(text, instead), encoding="utf-8")
+    try:
+        if path.suffix == ".c" and not build(folder):
+            raise SystemExit(f"{name}: {instead!r} does not compile")
+        return outcome(folder, tests, seconds)
+    finally:
+        path.write_text(whole, encoding="utf-8")
+        if path.suffix == ".c":
+            build(folder)
+
+
+def main() -> int:
+    """Plant what is asked for; 1 where more than one in twenty lives."""
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
+    parser.add_argument("paths", nargs="*")
+    parser.add_argument("--seconds", type=float, default=900.0, help="most time of a test run")
+    asked = parser.parse_args()
+    counted, sound = Counter[str](), set[str]()
+    for library in LIBRARIES:
+        importlib.import_module(library)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        scratch_copy(folder)
+        for name, (tests, faults) in FAULTS.items():
+            if asked.paths and not name.startswith(tuple(asked.paths)):
+                continue
+            if tests not in sound:
+                # A test that fails without a fault notices none.
+                sound.add(tests)
+                if outcome(folder, tests, asked.seconds) != LIVED:
+                    raise SystemExit(f"{tests}: fails, or takes too long, with nothing planted")
+            for fault in faults:
+                begun = time.monotonic()
+                found = planted(folder, name, fault, tests, asked.seconds)
+                counted[found] += 1
+                print(f"{found}, {time.monotonic() - begun:.0f} s: {name}: {fault[1]}", flush=True)
+    total = sum(counted.values())
+    print(f"{counted[DIED]} of {total} died ({counted[DIED] / total:.1%}); {dict(counted)}")
+    return 0 if counted[DIED] >= 0.95 * total else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,773 @@
+"""Faults to plant, by the file they go into: signs, comparisons, dropped terms, tolerances, wrong index, wrong seed.
+
+Of each file the tests that must notice, the likeliest first, all of the file's own room; and the faults: a text that
+stands in the file once, and what takes its place.
+"""
+
+Fault = tuple[str, str]
+ENGINE = "tests/mechanics/test_published_numbers.py tests/mechanics/test_derivatives.py"
+PRESSED = "tests/mechanics/test_pressure.py tests/mechanics/test_foundation.py tests/mechanics/test_footprint.py"
+CONTACTS = (
+    "tests/mechanics/test_contact_curve.py tests/mechanics/test_contacts.py tests/mechanics/test_concave_objects.py"
+)
+LIFTS = "tests/maps/lifts"
+NOISE = "tests/maps/noise tests/maps/operator/test_transfer_operator.py"
+OPERATOR = "tests/maps/operator"
+ORBITS = "tests/maps/orbits"
+STAIRCASES = "tests/maps/staircases"
+COLLECTION = "tests/collection/test_loop.py tests/collection"
+LAWS = "tests/evidence/laws tests/evidence/tables"
+ORIENTATIONS = "tests/evidence/orientations tests/evidence/comparison"
+IDENTIFICATION = "tests/evidence/identification"
+PUSHES = "tests/evidence/pushes"
+DESIGN = "tests/resets/test_orientation_law.py tests/resets/test_strategy.py tests/resets"
+MONITOR = "tests/resets/test_arc_evidence.py tests/resets/test_bias_monitor.py tests/resets"
+
+FAULTS: dict[str, tuple[str, list[Fault]]] = {
+    "mechanics/engine/ellipse.c": (
+        f"{ENGINE} tests/mechanics/test_random_cases.py",
+        [
+            ("spin[M_YY] * middle[X] - spin[M_XY] * middle[Y]", "spin[M_YY] * middle[X] + spin[M_XY] * middle[Y]"),
+            ("e.far = p > omega;", "e.far = p < omega;"),
+            ("sums->of[XY] += kx * ux;", "sums->of[XY] -= kx * ux;"),
+            ("even * (ux * nx + uy * ny) + odd * steep", "even * (ux * nx + uy * ny) - odd * steep"),
+        ],
+    ),
+    "mechanics/engine/contact.c": (
+        f"{ENGINE} tests/mechanics/test_contacts.py",
+        [
+            ("m.p[SMU] = SIGN[mode] * r->friction;", "m.p[SMU] = -SIGN[mode] * r->friction;"),
+            ("return tangential - smu * normal;", "return tangential + smu * normal;"),
+            ("f[FRAME_X] * gy - f[FRAME_Y] * gx - f[FRAME_TORQUE]", "f[FRAME_X] * gy - f[FRAME_Y] * gx"),
+            ("s->facing + M_PI - atan(tau)", "s->facing + M_PI + atan(tau)"),
+        ],
+    ),
+    "mechanics/engine/cycle.c": (
+        f"{ENGINE} tests/mechanics/test_drag.py",
+        [
+            ("result[Y] = s * vector[X] + c * vector[Y];", "result[Y] = s * vector[X] - c * vector[Y];"),
+            ("double longer = -(toward[X]", "double longer = (toward[X]"),
+            ("before[c] + travel * toward[c] - after[c]", "before[c] - travel * toward[c] - after[c]"),
+            ("0.5 * by_ring[k][X] - centre[Y] * turn", "by_ring[k][X] - centre[Y] * turn"),
+        ],
+    ),
+    "mechanics/engine/phase.c": (
+        f"{ENGINE} tests/mechanics/test_random_cases.py",
+        [
+            ("if (margin < 0.0) high = h;", "if (margin > 0.0) high = h;"),
+            (
+                "found ? next_length(tried, taken->error, tolerance)",
+                "found ? next_length(tried, taken->error, 1e4 * tolerance)",
+            ),
+        ],
+    ),
+    "mechanics/friction.py": (
+        "tests/mechanics/test_friction.py",
+        [
+            ("self.n0 / self.mu_b) >= 1.0", "self.n0 / self.mu_b) >= 2.0"),
+            (
+                "self.mu_b * v_n) + self.m0 * v_m + self.n0 * v_n",
+                "self.mu_b * v_n) + self.m0 * v_m - self.n0 * v_n",
+            ),
+            ("self.m0 + self.mu_a**2 * v_m / s", "self.m0 + self.mu_a * v_m / s"),
+            ("self.phi + angle)", "self.phi - angle)"),
+            ("fx, fy, x * fy - y * fx", "fx, fy, x * fy + y * fx"),
+            ("columns @ constant, values[:, 1:4] + constant", "columns @ constant, values[:, 1:4]"),
+        ],
+    ),
+    "mechanics/footprint.py": (
+        PRESSED,
+        [
+            ("self.corner_share * corners, -corners]", "0.0 * corners, -corners]"),
+            ("even_share < -_ROUNDING", "even_share < -0.5"),
+            ("(np.arange(count) + 0.5) / count\n    x, y", "np.arange(count) / count\n    x, y"),
+            ("weights = load * (1.0 + lever @ lean)", "weights = load * (1.0 - lever @ lean)"),
+            ("centroid + INNER * (grid - centroid)", "centroid + 0.9 * (grid - centroid)"),
+            ("points, weights = points[weights > 0.0], weights[weights > 0.0]", "points, weights = points, weights"),
+        ],
+    ),
+    "mechanics/contact_curve.py": (
+        CONTACTS,
+        [
+            ("self.x + radius * math.cos(self.normal)", "self.x - radius * math.cos(self.normal)"),
+            ("speed + radius * a * b / speed**2", "speed + radius * a * b / speed"),
+            ("fraction * length, length", "(1.0 - fraction) * length, length"),
+            ("if gap >= radius - rounding", "if gap >= 0.5 * radius - rounding"),
+            ("math.atan2(-x, y), 0.0, length", "math.atan2(x, -y), 0.0, length"),
+        ],
+    ),
+    "mechanics/outline.py": (
+        f"tests/mechanics/test_footprint.py {CONTACTS}",
+        [
+            (".sum(axis=0) / (6.0 * area) + points[0]", ".sum(axis=0) / (3.0 * area) + points[0]"),
+            ("if area < 0.0:", "if area < -1.0:"),
+            ("math.pi * a * b, extent", "math.pi * a * a, extent"),
+            ("points[..., 1] / self.semi_y) < 1.0", "points[..., 1] / self.semi_x) < 1.0"),
+        ],
+    ),
+    "mechanics/quasi_static.py": (
+        f"{ENGINE} tests/mechanics/test_push_physics.py",
+        [
+            ("contact.normal + math.pi + push.angle", "contact.normal + math.pi - push.angle"),
+            ("push.distance / self.unit - max(travel, 0.0)", "push.distance / self.unit"),
+            ("_STEP_SHARE * self.accuracy", "1e4 * _STEP_SHARE * self.accuracy"),
+        ],
+    ),
+    "mechanics/slider.py": (
+        "tests/mechanics/test_published_numbers.py tests/mechanics/test_parts.py tests/mechanics",
+        [
+            ("self.y + s * x + c * y", "self.y - s * x + c * y"),
+            ("c * dx + s * dy, -s * dx + c * dy", "c * dx - s * dy, s * dx + c * dy"),
+            ("(-0.015 / math.sqrt(2.0), 0.015 / math.sqrt(2.0))", "(0.015 / math.sqrt(2.0), 0.015 / math.sqrt(2.0))"),
+            ("< math.pi / 2.0:", "< math.pi:"),
+        ],
+    ),
+    "maps/lifts/circle_map.py": (
+        LIFTS,
+        [
+            ("lambda x: 1.0 - strength * np.cos(x)", "lambda x: 1.0 + strength * np.cos(x)"),
+            ("return self._lift(angles) - angles", "return self._lift(angles)"),
+            ("LIFT * (1.0 + np.abs(slope))", "LIFT * 0.0 * (1.0 + np.abs(slope))"),
+            ("jumping = np.abs(right - left) > JUMP", "jumping = np.abs(right - left) > 1e6 * JUMP"),
+            (
+                "slope = slope + top / (gap * gap + 2.0 * double * s * s)",
+                "slope = slope + top / (gap * gap + double * s * s)",
+            ),
+        ],
+    ),
+    "maps/lifts/map_algebra.py": (
+        LIFTS,
+        [
+            ("error + np.max([np.abs(side - slope) for side in sides], axis=0)", "error"),
+            (
+                "error = np.abs(product) * off + error * (np.abs(steepness) + off) + EPS",
+                "error = np.abs(product) * off + EPS",
+            ),
+            ("return min(outer.max_error + steepest * error", "return min(outer.max_error + error"),
+            ("angle, turns = one(angle), turns * float(one.degree)", "angle, turns = one(angle), turns"),
+            (
+                "bound = np.where(lowest > 0.0, error / (np.abs(slope) * lowest), np.inf)",
+                "bound = np.where(lowest > 0.0, error * lowest, np.inf)",
+            ),
+            ("if degree * jump < -JUMP:", "if degree * jump < -1e9 * JUMP:"),
+        ],
+    ),
+    "maps/lifts/piecewise_lifts.py": (
+        f"{LIFTS} tests/maps/families",
+        [
+            (
+                "c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width",
+                "c2 = (3.0 * secant - slope_left - 2.0 * slope_right) / width",
+            ),
+            (
+                "return np.asarray((3.0 * c3 * offset + 2.0 * c2) * offset + c1)",
+                "return np.asarray((3.0 * c3 * offset + c2) * offset + c1)",
+            ),
+            ("if np.any(steps < 0.0):", "if np.any(steps < -1.0):"),
+            ("if abs(gap) > SNAP:", "if abs(gap) > 1e6 * SNAP:"),
+            ("y = np.concatenate([lifted[-1 - reach : -1] - shift", "y = np.concatenate([lifted[-1 - reach : -1]"),
+        ],
+    ),
+    "maps/noise/noise.py": (
+        NOISE,
+        [
+            ("np.exp(-0.5 * (order * self.sigma) ** 2)", "np.exp(-(order * self.sigma) ** 2)"),
+            ("self.r ** (m + 1) / (1.0 - self.r)", "self.r ** (m + 1)"),
+            ("(1.0 - self.r**2) / (TWO_PI * distance)", "(1.0 - self.r) / (TWO_PI * distance)"),
+            ("stretch = (1.0 + self.r) / (1.0 - self.r)", "stretch = (1.0 + self.r)"),
+            (
+                "scaled = np.asarray(x, dtype=np.float64) / (self.sigma * math.sqrt(2.0))",
+                "scaled = np.asarray(x, dtype=np.float64) / self.sigma",
+            ),
+        ],
+    ),
+    "maps/operator/poisson_equation.py": (
+        OPERATOR,
+        [
+            ("bound = abs(value - rough) + rounding", "bound = rounding"),
+            ("growth = 1.0 + self._growth", "growth = 1.0"),
+            ("correction = defect + once + fine.cycle(resolved)", "correction = defect + once"),
+            ("return found + TWO_PI * remainder", "return found"),
+            ("found = 0.5 * correlated + basis.noise.variance", "found = correlated + basis.noise.variance"),
+            ("epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))", "0.0 * epsilon"),
+        ],
+    ),
+    "maps/operator/transfer_operator.py": (
+        OPERATOR,
+        [
+            (
+                "return self._law.density_error + float(np.max(self._law.density_map_error))",
+                "return self._law.density_error",
+            ),
+            ("self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI", "self.map.turn(theta), direct=1.0 / TWO_PI"),
+            ("abs(self._finer.diffusion() - found) + found.error_bound", "found.error_bound"),
+            ("0.5 * float(np.sum(parts)), min(1.0, known)", "float(np.sum(parts)), min(1.0, known)"),
+            ("max(0.0, 1.0 - second), second.error_bound", "max(0.0, second), second.error_bound"),
+        ],
+    ),
+    "maps/operator/fourier_basis.py": (
+        OPERATOR,
+        [
+            (
+                "max(self.modes, needed_modes(self.noise)), 2 * self.finer",
+                "max(self.modes, needed_modes(self.noise)), self.finer",
+            ),
+            ("if self.work > MAX_WORK:", "if self.work > 1e9 * MAX_WORK:"),
+            (
+                "np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])",
+                "np.concatenate([0.0 * rows[:1], m * sines, -m * cosines])",
+            ),
+        ],
+    ),
+    "maps/orbits/periodic_points.py": (
+        ORBITS,
+        [
+            ("np.where(flips, left * right < 1.0,", "np.where(flips, left * right > 1.0,"),
+            ("unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))", "unsure = NEUTRAL"),
+            (
+                "margin = np.abs(roots.residual) + 2.0 * roots.rounding",
+                "margin = 0.0 * np.abs(roots.residual) + 1e-300",
+            ),
+            ("broken, smallest = np.any(table < 0, axis=0)", "broken, smallest = np.any(table < -1, axis=0)"),
+            (
+                "moved = theta[active] - residual[active] / (slope[active] - 1.0)",
+                "moved = theta[active] + residual[active] / (slope[active] - 1.0)",
+            ),
+        ],
+    ),
+    "maps/orbits/rotation_number.py": (
+        ORBITS,
+        [
+            (
+                "return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))",
+                "return Estimate(mean, 0.0 * apart)",
+            ),
+            ("weight = np.exp(-1.0 / (t * (1.0 - t)))", "weight = np.exp(-1.0 / t)"),
+            (
+                "wanted = side * ((theta - start) + TWO_PI * (turns - ratio.numerator))",
+                "wanted = side * (theta - start)",
+            ),
+            (
+                "return base + 1 / simplest_between(1 / (high - base), 1 / (low - base))",
+                "return base + 1 / simplest_between(1 / (low - base), 1 / (high - base))",
+            ),
+            ("whole = np.array(self.laps[1:]) + up", "whole = np.array(self.laps[1:])"),
+        ],
+    ),
+    "maps/orbits/slow_passages.py": (
+        ORBITS,
+        [
+            (
+                "float(np.sqrt(least / curvature)), float(n * np.pi / np.sqrt(curvature * least))",
+                "float(np.sqrt(least / curvature)), float(np.pi / np.sqrt(curvature * least))",
+            ),
+            ("unknown = 0.5 * float(np.max(rounding)) / abs(gap)", "unknown = 0.0"),
+            (
+                "true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))",
+                "true = float(np.dot(stretch, 1.0 / g[:-2]))",
+            ),
+            (
+                "slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step)",
+                "slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (12.0 * step)",
+            ),
+        ],
+    ),
+    "maps/families/tongues.py": (
+        "tests/maps/families/test_tongues.py",
+        [
+            (
+                "room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1) + 0.25 * width",
+                "room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1)",
+            ),
+            ("(LIFT * angle * disturbed + unseen) / moved", "(LIFT * angle * disturbed) / moved"),
+            ("if unseen == 0.0 or self._sign * missed <= 0.0:", "if True:"),
+            (
+                "max(self.right - self.left, 0.0), self.left.error_bound + self.right.error_bound",
+                "max(self.right - self.left, 0.0), self.left.error_bound",
+            ),
+            ("if q < 1 or gcd(p, q) != 1:", "if q < 1:"),
+            (
+                "gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)",
+                "gap, noise = sign * gap, 1e9 * np.max(rounding, axis=1)",
+            ),
+        ],
+    ),
+    "maps/families/long_orbits.py": (
+        "tests/maps/families/test_long_orbits.py tests/maps/lifts/test_slope_errors.py",
+        [
+            ("_DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)", "np.std(means, axis=0, ddof=1) / _PARTS"),
+            (
+                "return Estimate(float(np.mean(values)), _DEVIATIONS * spread + inexact)",
+                "return Estimate(float(np.mean(values)), inexact)",
+            ),
+            ("Estimate(found, found.error_bound + blurred.upper)", "Estimate(found, found.error_bound)"),
+        ],
+    ),
+    "maps/staircases/slow_zones.py": (
+        STAIRCASES,
+        [
+            ("TWO_PI * known.rotation_number.error_bound)", "0.0)"),
+            ("rate = float(np.sum(starts) - starts[ring] @ missed[0])", "rate = float(np.sum(starts))"),
+            ("spread = float(np.sqrt(max(square - mean**2, 0.0)))", "spread = float(np.sqrt(max(square, 0.0)))"),
+            ("twice = width / 12.0 * (at[0] + 4.0 * left", "twice = width / 12.0 * (at[0] + 2.0 * left"),
+        ],
+    ),
+    "maps/staircases/staircase.py": (
+        STAIRCASES,
+        [
+            ("math.sqrt((1.0 + self.correlation) / (1.0 - self.correlation))", "1.0"),
+            ("last = z[n] = rho * last + math.sqrt(1.0 - rho**2) * fresh[n]", "last = z[n] = rho * last + fresh[n]"),
+            ("max_error=rest * before.max_error + share * after.max_error", "max_error=before.max_error"),
+            (
+                "path = sample_staircases(circle_map, noise, count, [theta], seed)[0]",
+                "path = sample_staircases(circle_map, noise, count, [theta], 0)[0]",
+            ),
+            ("if error <= tolerance:", "if error <= 100.0 * tolerance:"),
+        ],
+    ),
+    "maps/staircases/step_comparison.py": (
+        STAIRCASES,
+        [
+            ("within = 2.0 * float(np.mean(steps.scatter**2))", "within = 0.0"),
+            ("alive = np.cumprod(1.0 - ended / at_risk)", "alive = np.cumprod(1.0 - ended / values.size)"),
+            ("chance = min(1.0, 2.0 * min(middle, 1.0 - middle))", "chance = min(1.0, min(middle, 1.0 - middle))"),
+            ("exposure / exits**1.5", "exposure / exits"),
+        ],
+    ),
+    "maps/staircases/step_detection.py": (
+        STAIRCASES,
+        [
+            ("return self.end - self.start + 1", "return self.end - self.start"),
+            ("kept = inside[first] & (deep[last + 1] > deep[first])", "kept = inside[first]"),
+            ("if max(contrast, default=0.0) < _CONTRAST:", "if max(contrast, default=0.0) < 0.0:"),
+        ],
+    ),
+    "collection/adaptive_map.py": (
+        "tests/collection/test_adaptive_map.py",
+        [
+            ("+ _LOCATED * tolerance + sample_error", "+ _LOCATED * tolerance"),
+            ("waiting, checked = [*by_error[:_CHECKED], *spread]", "waiting, checked = list[_Interval]()"),
+            (
+                "_resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(ends)])",
+                "_resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])",
+            ),
+            ("if min(off) > _SIDE_SHARE * gap:", "if min(off) > 1e9 * gap:"),
+            (
+                "tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)",
+                "tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope + s * high.slope)",
+            ),
+            ("is_jump = gap > 10.0 * sampler.tolerance", "is_jump = gap > 1e9 * sampler.tolerance"),
+        ],
+    ),
+    "collection/loop.py": (
+        COLLECTION,
+        [
+            ("sample_error = max(0.1 * tolerance, 1e-10)", "sample_error = max(100.0 * tolerance, 1e-10)"),
+            ("accuracy=min(sample_error, 1e-6)", "accuracy=1e-2"),
+        ],
+    ),
+    "collection/uncertain_directions.py": (
+        "tests/collection/test_uncertain_directions.py",
+        [
+            ("return self.locks / self.samples", "return self.locks / (self.samples + self.locks)"),
+            (
+                "ends = (0.0, 1.0) if span else (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))",
+                "ends = (0.0, 1.0) if span else (0.25, 0.75)",
+            ),
+            ("stable = (low - high) / step > -2.0", "stable = (low - high) / step < -2.0"),
+            (
+                "h10, h11 = share * (1.0 - share) ** 2, share**2 * (share - 1.0)",
+                "h10, h11 = share * (1.0 - share) ** 2, share**2 * (1.0 - share)",
+            ),
+        ],
+    ),
+    "collection/fingerprint.py": (
+        "tests/collection/test_fingerprint.py",
+        [
+            (
+                "hessians = 0.5 * (differences + differences.transpose(0, 2, 1))",
+                "hessians = differences + differences.transpose(0, 2, 1)",
+            ),
+            (
+                "return np.asarray(0.5 * np.sum((z @ self.hessian) * z, axis=-1))",
+                "return np.asarray(np.sum((z @ self.hessian) * z, axis=-1))",
+            ),
+            ("axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi", "axis = friction.phi"),
+            (
+                "first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - angle)",
+                "first, second = self.offset_direction - angle, self.ellipse_direction - angle",
+            ),
+        ],
+    ),
+    "collection/wearing_loop.py": (
+        "tests/collection",
+        [
+            (
+                "shares = first + (last - first) * blend.cycles / max(steps - 1, 1)",
+                "shares = last + (first - last) * blend.cycles / max(steps - 1, 1)",
+            ),
+        ],
+    ),
+    "evidence/laws/linear_fit.py": (
+        LAWS,
+        [
+            ("total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)", "total += shared + shared.T"),
+            ("covariance = inverse @ total @ inverse * (count / free)", "covariance = inverse @ total @ inverse"),
+            ("return float(stdtrit(freedom, 0.5 + 0.5 * probability))", "return float(stdtrit(freedom, probability))"),
+            ("free = value.size - coefficients.size", "free = value.size"),
+            (
+                "good = np.flatnonzero(mean - mean[best] <= spread + floor)",
+                "good = np.flatnonzero(mean - mean[best] <= floor)",
+            ),
+            ("np.random.default_rng(seed).permutation(np.arange(blocks) % FOLDS)", "np.arange(blocks) % FOLDS"),
+        ],
+    ),
+    "evidence/laws/periodic_law.py": (
+        LAWS,
+        [
+            (
+                "np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)",
+                "np.cos(multiples) @ (order * self.sine) + np.sin(multiples) @ (order * self.cosine)",
+            ),
+            (
+                "return quantile * error, quantile * np.hypot(error, self.noise(theta))",
+                "return quantile * error, quantile * self.noise(theta)",
+            ),
+            ("gamma[0] += np.log(value.size / (value.size - design.shape[1]))", "gamma[0] += 0.0"),
+            ("np.exp(0.5 * (columns @ self.log_variance))", "np.exp(columns @ self.log_variance)"),
+        ],
+    ),
+    "evidence/laws/fit_map.py": (
+        LAWS,
+        [
+            (
+                "scaled = np.clip((2.0 * cycles - first - last) / (last - first), -1.0, 1.0)",
+                "scaled = (2.0 * cycles - first - last) / (last - first)",
+            ),
+            ("images = angles + _without_jumps(angles, images)", "images = angles + (images - angles)"),
+            ("law(theta) + law.noise(theta) * rng", "law(theta) + 0.0 * rng"),
+        ],
+    ),
+    "evidence/orientations/circular_distance.py": (
+        ORIENTATIONS,
+        [
+            (
+                "np.max(rank[1:] - reached, axis=-1) + np.max(reached - rank[:-1], axis=-1)",
+                "np.max(rank[1:] - reached, axis=-1)",
+            ),
+            (
+                "size * np.var(excess, axis=-1) + 1.0 / (12.0 * size)",
+                "size * np.mean(excess**2, axis=-1) + 1.0 / (12.0 * size)",
+            ),
+            ("return PValue((1 + reached) / (null.size + 1)", "return PValue(reached / (null.size + 1)"),
+            (
+                "found = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+                "found = np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+            ),
+            ("median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]", "median = levels[order[0]]"),
+        ],
+    ),
+    "evidence/orientations/collection_null.py": (
+        ORIENTATIONS,
+        [
+            ("seed + _APART * (number + 1)", "seed"),
+            ("self.map.cycles - self.first", "self.map.cycles"),
+            ("np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI", "np.abs(climb(paths)) / TWO_PI"),
+        ],
+    ),
+    "evidence/comparison/cycle_agreement.py": (
+        "tests/evidence/comparison",
+        [
+            ("explained / basis.shape[1] * free / left", "explained * free / left"),
+            ("monte_carlo_p_value(abs(value - centre), np.abs(known - centre))", "monte_carlo_p_value(value, known)"),
+        ],
+    ),
+    "evidence/comparison/push_agreement.py": (
+        "tests/evidence/comparison",
+        [
+            ("critical = 1.96 + 2.9694 * share + 0.416 * share**2 - 0.5324 * share**3", "critical = 1.96"),
+            ("share = min(1.0, 1.3 / np.sqrt(count))", "share = 0.0"),
+        ],
+    ),
+    "evidence/identification/least_squares.py": (
+        IDENTIFICATION,
+        [
+            (
+                "float(np.sum(self.law.loss((residuals / size) ** 2)[0]) + 2.0 * np.sum(np.log(size)))",
+                "float(np.sum(self.law.loss((residuals / size) ** 2)[0]))",
+            ),
+            ("(self.freedom + 1.0) / (self.freedom + z)", "(self.freedom + 1.0) / (self.freedom + 1.0)"),
+            (
+                "redundancy = np.bincount(index, 1.0 - leverage, len(names))",
+                "redundancy = np.bincount(index, 1.0 + 0.0 * leverage, len(names))",
+            ),
+            ("best = min(fits, key=lambda fit: fit.deviance)", "best = fits[0]"),
+        ],
+    ),
+    "evidence/identification/identifiability.py": (
+        IDENTIFICATION,
+        [
+            ("read_only(np.where(blind, np.inf, error * scale))", "read_only(error * scale)"),
+            ("covariance = told + by_weights + believed.T @ believed", "covariance = told + by_weights"),
+            ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
+        ],
+    ),
+    "evidence/data_blocks/stroke_block.py": (
+        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+        [
+            ("way = length / model.unit - travel", "way = length / model.unit"),
+            ("longer = normal / (normal @ toward)", "longer = normal"),
+            ("predicted = predicted + gone * (turn_worn - predicted)", "predicted = predicted"),
+            ("jacobian *= 1.0 - by_share", "jacobian *= 1.0"),
+        ],
+    ),
+    "evidence/tables/measured_cycle_map.py": (
+        "tests/evidence/tables",
+        [
+            ("reached = sign * (paths - start) >= TWO_PI - past", "reached = sign * (paths - start) >= TWO_PI"),
+            (
+                "sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)",
+                "sign = np.where(seen, np.sign(turn), 0.0)",
+            ),
+        ],
+    ),
+    "evidence/push_probe.py": (
+        "tests/evidence/test_probe.py",
+        [
+            ("math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))", "math.sqrt(stats.f.ppf(CONFIDENCE, 2, free))"),
+            ("count, extra = len(moved), 2 * order", "count, extra = len(moved), order"),
+            ("math.exp(2.0 * part)", "math.exp(part)"),
+            ("free = moved.size - 7", "free = moved.size"),
+        ],
+    ),
+    "evidence/simulated_collection.py": (
+        "tests/evidence/simulation",
+        [
+            (
+                "np.random.SeedSequence(self.seed, spawn_key=(stream, number))",
+                "np.random.SeedSequence(self.seed, spawn_key=(stream, 0))",
+            ),
+            (
+                "drawn[cycle] = rho * drawn[cycle - 1] + math.sqrt(1.0 - rho**2) * drawn[cycle]",
+                "drawn[cycle] = rho * drawn[cycle - 1] + drawn[cycle]",
+            ),
+        ],
+    ),
+    "evidence/identified_material.py": (
+        f"{IDENTIFICATION}/test_derived_quantities.py {IDENTIFICATION}",
+        [
+            ("(0.5 - found.level / 2.0, 0.5 + found.level / 2.0)", "(0.25, 0.75)"),
+            ("off = rng.standard_normal(3) * found.session_spread", "off = 0.0 * rng.standard_normal(3)"),
+            ("root = vectors * np.sqrt(np.maximum(squares, 0.0))", "root = vectors * np.maximum(squares, 0.0)"),
+        ],
+    ),
+    "evidence/motion_check.py": (
+        f"{PUSHES}/test_conventions.py",
+        [
+            ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
+            ("turned = other.convention.offset != convention.offset", "turned = False"),
+            (
+                "min(looked[:2]) < (1.0 if free else _BEATEN) * min(here, best)",
+                "min(looked[:2]) < 0.0 * min(here, best)",
+            ),
+        ],
+    ),
+    "evidence/pushes/conventions.py": (
+        PUSHES,
+        [
+            ('"compass": (-1.0, 0.5 * math.pi),', '"compass": (-1.0, 0.0),'),
+            ("return sense * angle + (zero + self.offset)", "return sense * angle + (zero - self.offset)"),
+        ],
+    ),
+    "evidence/pushes/theta0_pairs.py": (
+        f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
+        [
+            ("return self.theta_next - self.theta", "return self.theta - self.theta_next"),
+            ("return (turn_deg + 180.0) % 360.0 - 180.0", "return turn_deg % 360.0"),
+            ("off_next = (np.diff(number) == 1) & ", "off_next = "),
+            ("return far if far.sum() <= _MOST_BY_HAND * turn.size else none", "return none"),
+            ("high if high >= low else high + TWO_PI", "high"),
+        ],
+    ),
+    "evidence/pushes/push_table.py": (
+        f"{PUSHES}/test_push_table.py {PUSHES}",
+        [
+            ('"theta0_deg": math.pi / 180.0}', '"theta0_deg": 1.0}'),
+            ("number + 1.0), math.nan)", "number), math.nan)"),
+            ("across / along if along else math.nan", "along / across if along else math.nan"),
+            ("if far > _LONGEST_PUSH:", "if far > 1e9 * _LONGEST_PUSH:"),
+            ("if len(lost) >= _MOST_LOST * len(table.rows):", "if len(lost) > len(table.rows):"),
+        ],
+    ),
+    "evidence/pushes/contact_forces.py": (
+        f"{PUSHES} tests/evidence/data_blocks",
+        [
+            (
+                "np.median(np.abs(tangential[touching]) / pressing[touching])",
+                "np.median(pressing[touching] / np.abs(tangential[touching]))",
+            ),
+            ("- rod_radius * rates[:, 2]) / speed", ") / speed"),
+            ("near & (pressing >= LEAST_PRESSING)", "near"),
+        ],
+    ),
+    "evidence/pushes/pose_streams.py": (
+        f"{PUSHES}/test_pose_streams.py",
+        [
+            ("found[first:last] = bool((change[first:last] > high).any())", "found[first:last] = True"),
+            (
+                "c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])",
+                "c, s = math.cos(poses[first, 2]), math.sin(poses[first, 2])",
+            ),
+            ("if home.mean() > _ALL_HOME:", "if home.mean() > 2.0:"),
+        ],
+    ),
+    "evidence/pushes/measured_strokes.py": (
+        f"{PUSHES}/test_measured_strokes.py {PUSHES}",
+        [
+            (
+                "tip_error(table, row) <= LARGEST_TIP_ERROR]",
+                "tip_error(table, row) <= 1e9]",
+            ),
+            ("return 1e-3 * table.number", "return table.number"),
+        ],
+    ),
+    "resets/design/orientation_law.py": (
+        DESIGN,
+        [
+            (
+                "share = chance * (most - so_far[number]) / left",
+                "share = chance / sum(1 for k, m in enumerate(counts) if so_far[k] < m)",
+            ),
+            ("np.exp(-0.5 * (orders * sigma) ** 2)", "np.exp(-(orders * sigma) ** 2)"),
+            ("ended = steps[rest - 1] @ end if rest else end", "ended = end"),
+            ("total_variation(ends, samples).max(axis=-1), 1.0)", "total_variation(ends, samples).min(axis=-1), 1.0)"),
+            ("error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))", "error = 0.0"),
+            ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
+        ],
+    ),
+    "resets/design/strategy.py": (
+        DESIGN,
+        [
+            (
+                "seeds += [np.random.SeedSequence(seed, spawn_key=(run,)) for run in range(1, runs)]",
+                "seeds += [seed for run in range(1, runs)]",
+            ),
+            (
+                "np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM,))",
+                "np.random.SeedSequence(0, spawn_key=(_NOISE_STREAM,))",
+            ),
+            ("+ turns[doing] + kicks[:, number]", "+ kicks[:, number]"),
+            ("blocks = [random.permutation(block) for", "blocks = [block for"),
+            ("most = math.floor(count * chance) + 1", "most = math.floor(count * chance)"),
+            ("often.min() < 0.5:", "often.min() < -1.0:"),
+        ],
+    ),
+    "resets/design/reset_design.py": (
+        "tests/resets/test_reset_design.py tests/resets",
+        [
+            (
+                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}",
+                "sign = {name: 1.0 for name in limits}",
+            ),
+            (
+                "own.worst_histogram[0] <= rows[0].worst_histogram[0]:",
+                "own.worst_histogram[0] > rows[0].worst_histogram[0]:",
+            ),
+            ("where = about.worst(values)", "where = int(np.argmin(values))"),
+        ],
+    ),
+    "resets/design/reset_ranking.py": (
+        "tests/resets/test_reset_design.py tests/resets",
+        [
+            ("excess[CONTACT] = -excess[CONTACT]", "excess[CONTACT] = excess[CONTACT]"),
+            (
+                "return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))",
+                "return int(max(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))",
+            ),
+        ],
+    ),
+    "resets/design/material_range.py": (
+        "tests/resets/test_material_range.py",
+        [
+            (
+                'return first + int(np.argsort(values[first:], kind="stable")[rank - 1])',
+                'return first + int(np.argsort(values[first:], kind="stable")[rank // 2])',
+            ),
+            ("m0=law.m0 * (1 + m0), n0=law.n0 * (1 + n0)", "m0=law.m0 * (1 + m0), n0=law.n0 * (1 + m0)"),
+            ("mu_b=law.mu_b / root", "mu_b=law.mu_b"),
+            (
+                "tried = tuple(one for place, one in enumerate(samples) if place not in chosen)",
+                "tried = tuple(samples)",
+            ),
+        ],
+    ),
+    "resets/design/action_cycles.py": (
+        "tests/resets/test_action_cycles.py tests/resets",
+        [
+            ("travel / ROD_SPEED + HANDLING + GRIPPING * turned", "travel / ROD_SPEED + HANDLING"),
+            ("found[push] = min(rough.model", "found[push] = max(rough.model"),
+            ("[:, places] + turns[:, None]", "[:, places]"),
+        ],
+    ),
+    "resets/design/reset_search.py": (
+        "tests/resets/test_reset_design.py tests/resets",
+        [
+            ("contact >= least_contact]", "contact <= least_contact]"),
+            ("tv[rows] = np.maximum(tv[rows],", "tv[rows] = np.minimum(1.0 + tv[rows],"),
+        ],
+    ),
+    "resets/monitor/arc_evidence.py": (
+        MONITOR,
+        [
+            ("return float(likelihoods[0] / np.mean(likelihoods)) if", "return float(likelihoods[0]) if"),
+            ("paths[1:] = self._random.permuted(paths[1:], axis=1)", "paths[1:] = paths[1:]"),
+            ("self._sum += self._e_value(turns, _MANY) / len(CHECKS)", "self._sum += self._e_value(turns, _MANY)"),
+            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
+        ],
+    ),
+    "resets/monitor/bias_evidence.py": (
+        f"{MONITOR} tests/resets/test_rest_evidence.py",
+        [
+            ("+ raised[:, 0] - log_mean", "+ raised[:, 0]"),
+            ("self._shares = (1.0 / periods**2) / np.sum(1.0 / periods**2)", "self._shares = 1.0 / periods**2"),
+            (
+                "factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)",
+                "factor = np.log((_RATES if hit else 1.0) / CHANCE)",
+            ),
+            ("new = -math.log(self._blocks * (self._blocks + 1))", "new = 0.0"),
+            ("pull = min(max(-covariance / (variance", "pull = min(max(covariance / (variance"),
+        ],
+    ),
+    "resets/monitor/bias_monitor.py": (
+        MONITOR,
+        [
+            (
+                "math.log(2.0 / self.alarm_rate), len(self._path) - 1",
+                "math.log(0.02 / self.alarm_rate), len(self._path) - 1",
+            ),
+            ("self._arcs.log_evidence)) - math.log(2.0)", "self._arcs.log_evidence)) + math.log(20.0)"),
+        ],
+    ),
+    "resets/monitor/coverage.py": (
+        "tests/resets/test_coverage.py tests/resets",
+        [
+            ("self._inverse -= np.outer(pulled, pulled) / gain", "self._inverse += np.outer(pulled, pulled) / gain"),
+            ("widest = int(np.argmax(gaps))", "widest = int(np.argmin(gaps))"),
+            ("best = int(np.argmin(crowding))", "best = int(np.argmax(crowding))"),
+        ],
+    ),
+    "resets/monitor/audit.py": (
+        "tests/resets/test_audit.py",
+        [
+            ("float(-reset_turn.mean() / push_turn.mean())", "float(reset_turn.mean() / push_turn.mean())"),
+            ("self.worth >= LEAST_WORTH * len(self.theta)", "self.worth >= 0.0 * len(self.theta)"),
+        ],
+    ),
+    "resets/protocol/schedule_file.py": (
+        "tests/resets/test_schedule_file.py",
+        [
+            ("distance * math.sin(bearing)) > _AGREE_MM:", "distance * math.sin(bearing)) > 1e9 * _AGREE_MM:"),
+            ("math.degrees(math.atan2(dy, dx))", "math.degrees(math.atan2(dx, dy))"),
+        ],
+    ),
+}

@@ -1,0 +1,206 @@
+"""One T in five kinds of file is one outline; what is no outline is refused with what to do."""
+
+import struct
+
+import numpy as np
+import pytest
+from refusals import refused
+
+from cyclemap.errors import DataFileError
+from cyclemap.protocol import outline_files
+from cyclemap.protocol.outline_files import read_outline
+
+pytest.importorskip("svgpathtools")
+pytest.importorskip("ezdxf")
+pytest.importorskip("trimesh")
+pytest.importorskip("shapely")
+
+# Millimetres, counter-clockwise: a bar of 80 by 20 below a stem of 20 by 60.
+TEE = [(0, 0), (80, 0), (80, 20), (50, 20), (50, 80), (30, 80), (30, 20), (0, 20)]
+AREA = 80 * 20 + 20 * 60
+CENTROID = np.array([40.0, (80 * 20 * 10 + 20 * 60 * 50) / AREA])
+
+
+def write_svg(path):
+    """Drawn with y down, in a group that turns it up again."""
+    steps = " ".join(f"L{x} {y}" for x, y in TEE[1:])
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="8cm" height="8cm" viewBox="0 0 80 80">'
+        f'<g transform="translate(0,80) scale(1,-1)"><path d="M0 0 {steps} Z"/></g><circle cx="5" cy="5" r="2"/></svg>'
+    )
+
+
+def write_dxf(path):
+    """Eight lines, in no order, that meet in the corners; in inches."""
+    import ezdxf
+
+    drawing = ezdxf.new(units=1)
+    sides = list(zip(TEE, TEE[1:] + TEE[:1], strict=True))
+    for start, end in sides[::2] + sides[1::2]:
+        drawing.modelspace().add_line(np.array(end) / 25.4, np.array(start) / 25.4)
+    drawing.saveas(path)
+
+
+def write_stl(path, scale=1.0, height=10.0):
+    triangles = []
+    for (x0, y0), (x1, y1) in (((0, 0), (80, 20)), ((30, 20), (50, 80))):
+        for z in (0.0, height):
+            triangles.append([(x0, y0, z), (x1, y0, z), (x1, y1, z)])
+            triangles.append([(x0, y0, z), (x1, y1, z), (x0, y1, z)])
+    for start, end in zip(TEE, TEE[1:] + TEE[:1], strict=True):
+        triangles.append([(*start, 0.0), (*end, 0.0), (*end, height)])
+        triangles.append([(*start, 0.0), (*end, height), (*start, height)])
+    with path.open("wb") as file:
+        file.write(b"\0" * 80 + struct.pack("<I", len(triangles)))
+        for triangle in triangles:
+            numbers = [scale * part for corner in triangle for part in corner]
+            file.write(struct.pack("<12fH", 0, 0, 0, *numbers, 0))
+
+
+def write_urdf(path):
+    """A mesh in metres, turned by a quarter about z."""
+    write_stl(path.with_name("tee_m.stl"), 1e-3)
+    path.write_text(
+        '<robot name="t"><link name="base"/><link name="tee"><collision><origin rpy="0 0 1.5707963267948966"/>'
+        '<geometry><mesh filename="package://tee_m.stl"/></geometry></collision></link></robot>'
+    )
+
+
+def write_csv(path):
+    path.write_text("x_mm;y_mm\n" + "".join(f"{x};{y}\n" for x, y in reversed(TEE)))
+
+
+WRITERS = {
+    "tee.svg": write_svg,
+    "tee.dxf": write_dxf,
+    "tee.stl": write_stl,
+    "tee.urdf": write_urdf,
+    "tee.csv": write_csv,
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_tee_is_the_same_outline_from_every_kind_of_file(tmp_path, name) -> None:
+    WRITERS[name](tmp_path / name)
+    found = read_outline(tmp_path / name)
+    wanted = np.array(TEE) - CENTROID
+    if name == "tee.urdf":
+        wanted = np.stack([-wanted[:, 1], wanted[:, 0]], axis=-1)
+    assert found.outline.sides == 8
+    assert found.outline.area == pytest.approx(1e-6 * AREA, rel=1e-6)
+    assert found.outline.centroid == pytest.approx((0.0, 0.0), abs=1e-8)
+    corners = {tuple(corner) for corner in (1e3 * found.outline.array).round(3).tolist()}
+    assert corners == {tuple(corner) for corner in wanted.round(3).tolist()}
+    assert "80 x 80 mm" in found.words[0]
+
+
+def test_units_are_as_told_before_all_else(tmp_path) -> None:
+    write_stl(tmp_path / "tee.stl", 1e-3)
+    assert read_outline(tmp_path / "tee.stl").outline.area == pytest.approx(1e-6 * AREA, rel=1e-5)
+    assert read_outline(tmp_path / "tee.stl", "inch", 1e-6).outline.area == pytest.approx(
+        0.0254**2 * 1e-6 * AREA, rel=1e-4
+    )
+    assert "guessed" in read_outline(tmp_path / "tee.stl").words[0]
+
+
+def test_the_underside_of_a_mesh_is_its_foot_print(tmp_path) -> None:
+    import trimesh
+
+    low = trimesh.creation.box((40.0, 40.0, 10.0))
+    high = trimesh.creation.box((100.0, 60.0, 10.0)).apply_translation((0.0, 0.0, 10.0))
+    trimesh.util.concatenate([low, high]).export(tmp_path / "table.stl")
+    assert read_outline(tmp_path / "table.stl").outline.area == pytest.approx(6e-3, rel=1e-5)
+    assert read_outline(tmp_path / "table.stl", underside=True).outline.area == pytest.approx(1.6e-3, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> None:
+    path = tmp_path / "disc.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">'
+        '<circle cx="50" cy="50" r="40"/></svg>'
+    )
+    sides = []
+    for tolerance in (1e-5, 1e-4, 1e-3):
+        outline = read_outline(path, tolerance=tolerance).outline
+        sides.append(outline.sides)
+        reach = np.hypot(*outline.array.T)
+        assert np.abs(reach - 0.040).max() < tolerance + 2e-5
+    assert sides == sorted(sides, reverse=True) and sides[0] > sides[-1]
+
+
+VISUAL = '<robot><link name="a"><visual><geometry>{}</geometry></visual></link></robot>'
+REFUSED = [
+    ("open.svg", '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H80V20"/></svg>', "no closed line"),
+    ("no.svg", "not a drawing", "not an SVG drawing"),
+    ("no.dxf", "not a drawing", "not a DXF drawing"),
+    ("no.stl", "solid nothing\nendsolid nothing\n", "not a mesh|no triangles"),
+    ("no.urdf", "<robot/>", "0 links with a geometry"),
+    ("box.urdf", VISUAL.format('<box size="0.1 0..2 1"/>'), r"a geometry or origin of a .* \('0..2' is not a number"),
+    ("two.csv", "0,0\n1,0\n", "2 vertices; an outline has three"),
+    ("bad.csv", "x,y\n0,0\n1,zero\n", "line 3: two numbers x,y are wanted"),
+    ("gone.svg", None, "there is no such file"),
+]
+
+
+def test_what_is_no_outline_another_kind_of_file_and_a_missing_library_are_told(tmp_path, monkeypatch) -> None:
+    for name, content, told in REFUSED:
+        if content is not None:
+            (tmp_path / name).write_text(content)
+        refused(read_outline, tmp_path / name, told=told, kind=DataFileError)
+    (tmp_path / "tee.step").write_text("x")
+    refused(read_outline, tmp_path / "tee.step", told=r"read from \.svg, \.dxf, .*, not from \.step")
+    write_svg(tmp_path / "tee.svg")
+
+    def missing(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(outline_files, "import_module", missing)
+    refused(read_outline, tmp_path / "tee.svg", told=r"needs svgpathtools: python -m pip install '\.\[outlines\]'")
+
+
+@pytest.mark.parametrize(
+    ("text", "width", "height", "unit"),
+    [
+        ("x_mm,y_mm\n0,0\n80,0\n80,20\n", 80.0, 20.0, None),
+        ("y_mm,x_mm\n0,0\n0,80\n20,80\n", 80.0, 20.0, None),
+        ("id,x_mm,y_mm\n1,0,0\n2,80,0\n3,80,20\n", 80.0, 20.0, None),
+        ("x_cm,y_cm\n0,0\n8,0\n8,2\n", 80.0, 20.0, None),
+        ("x_in,y_in\n0,0\n2,0\n2,1\n", 50.8, 25.4, None),
+        ("X [mm];Y [mm]\n0,5;0,0\n80,5;0,0\n80,5;20,0\n", 80.0, 20.0, None),
+        ("0,5;0,0\n80,5;0,0\n80,5;20,0\n", 80.0, 20.0, "mm"),
+        ("0,0\n80,0\n80,20\n", 80.0, 20.0, None),
+        ("x,y\n0,0\n8,0\n8,2\n", 80.0, 20.0, "cm"),
+    ],
+)
+def test_vertices_are_read_by_the_names_and_units_of_their_columns(tmp_path, text, width, height, unit) -> None:
+    """Size, and which corner is the right one: a mirror image has it elsewhere."""
+    (tmp_path / "part.csv").write_text(text)
+    corners = 1e3 * read_outline(tmp_path / "part.csv", unit).outline.array
+    assert np.ptp(corners, axis=0) == pytest.approx([width, height], abs=1e-6)
+    right_angle = corners[
+        np.argmin([abs((corners[k - 1] - corners[k]) @ (corners[k - 2] - corners[k])) for k in range(3)])
+    ]
+    assert right_angle == pytest.approx([width / 3.0, -height / 3.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("1,0,0\n2,80,0\n3,80,20\n", "3 columns without names: which are x and y"),
+        ("a,b\n0,0\n80,0\n80,20\n", "the header is a,b: name the columns x and y"),
+        ("x_mm,y_cm\n0,0\n80,0\n80,2\n", "x and y in different units"),
+        ("x_ells,y_ells\n0,0\n80,0\n80,2\n", "ells is no unit"),
+        ("x_mm,y_mm,x_cm\n0,0,0\n80,0,8\n80,2,8\n", "may both be x"),
+    ],
+)
+def test_vertices_whose_columns_are_unclear_are_refused(tmp_path, text, told) -> None:
+    (tmp_path / "part.csv").write_text(text)
+    refused(read_outline, tmp_path / "part.csv", told=told, kind=DataFileError)
+
+
+def test_a_drawing_of_very_many_curves_is_refused_before_it_is_cut_up(tmp_path) -> None:
+    pytest.importorskip("svgpathtools")
+    curves = "".join(f"C{k} 0 {k} 1 {k + 1} {k % 2}" for k in range(31_000))
+    (tmp_path / "many.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0{curves}Z"/></svg>')
+    refused(read_outline, tmp_path / "many.svg", told="curves: 3.1e.04, of at most 3e.04; simplify the drawing")

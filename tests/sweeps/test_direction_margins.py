@@ -1,0 +1,58 @@
+"""How far settings are from a change of the stable directions, against full cycle maps and their saddle-nodes."""
+
+import numpy as np
+import pytest
+from refusals import refused
+from scipy.optimize import brentq
+
+from cyclemap import CollectionLoop, fixed_points
+from cyclemap.protocol import loop_from_settings
+from cyclemap.sweeps import direction_margins
+
+LOOP = CollectionLoop.mit("plywood")
+
+
+def map_at(key: str, value: float, tolerance: float = 1e-6):
+    return loop_from_settings({key: value}, LOOP).circle_map(tolerance)
+
+
+def stable(circle_map) -> int:
+    return sum(orbit.stable for orbit in fixed_points(circle_map))
+
+
+@pytest.fixture(scope="module")
+def margins():
+    return {one.key: one for one in direction_margins(LOOP, ("hitch_x_mm", "mu_b", "pusher_mu"))}
+
+
+def test_full_maps_have_the_told_directions_on_both_sides_of_a_change(margins) -> None:
+    assert [one.key for one in margins.values()] == ["mu_b", "hitch_x_mm", "pusher_mu"]  # nearest first
+    seen = 0
+    for key, unit in (("hitch_x_mm", 1e-3), ("mu_b", 1.0)):
+        one = margins[key]
+        assert one.directions == 1 and one.share == abs(one.nearest.value - one.value) / one.span
+        for change in (one.below, one.above):
+            assert change.kind == "saddle-node" and change.value.error_bound < 1e-7 * one.span
+            for side, many in ((-1e-3, one.directions), (1e-3, change.directions)):
+                outward = np.sign(change.value - one.value)
+                assert stable(map_at(key, (change.value + outward * side * one.span) / unit)) == many
+                seen += 1
+    assert seen == 8
+    assert margins["pusher_mu"].nearest is None and (margins["pusher_mu"].low, margins["pusher_mu"].high) == (0.0, 0.8)
+
+
+def test_full_maps_touch_whole_turns_where_the_saddle_node_is_told(margins) -> None:
+    """By the least turn of whole sampled maps, good to 1e-6 rad, instead of Newton's method on cycles."""
+    change = margins["hitch_x_mm"].above
+    at, near = 1000 * change.value, change.theta + np.linspace(-0.3, 0.3, 4001)
+
+    root = brentq(lambda value: float(map_at("hitch_x_mm", value).turn(near).min()), at - 0.4, at + 0.4, xtol=1e-7)
+    # The turn moves by some 0.05 rad a millimetre, so 1e-6 rad is 2e-5 mm.
+    assert abs(root - at) < 5e-5
+
+
+def test_what_has_no_range_or_no_value_is_refused() -> None:
+    refused(direction_margins, LOOP, ("mass_kg",), told="mass_kg has no usual range")
+    refused(direction_margins, LOOP, ("floor_bow",), told="floor_bow has no usual range or no value here")
+    refused(direction_margins, LOOP, ("hitch",), told="hitch")
+    refused(direction_margins, "plywood", told="CollectionLoop")
