@@ -12,6 +12,8 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+from rooms import write_pages  # noqa: E402
+
 project = "cyclemap"
 author = "The cyclemap developers"
 release = version = cyclemap.__version__
@@ -20,6 +22,7 @@ project_copyright = author
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx_click",
     "sphinx_copybutton",
     "sphinx_design",
@@ -32,6 +35,9 @@ extensions = [
     "settings_table",
 ]
 exclude_patterns = ["_build", "_extensions", "_figures", "gallery/*.md"]
+# The pages of the reference follow the rooms' own tables of contents; each name in them has a page of its own.
+write_pages(HERE / "reference" / "api")
+autosummary_generate = False
 nitpicky = True
 # Types in signatures that are not public, and those of other libraries, have no page of their own here.
 nitpick_ignore_regex = [
@@ -58,7 +64,7 @@ autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 maximum_signature_line_length = 90
 python_use_unqualified_type_names = True
-# Each section lists its names itself; in every page's navigation they would take a quarter of the build.
+# A page holds one name; in the contents of every page its members would be one list more.
 toc_object_entries = False
 
 copybutton_prompt_text = r">>> |\.\.\. |\$ "

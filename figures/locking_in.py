@@ -180,9 +180,18 @@ class _Stage:
         self.result = result
         self.figure: Figure = new_figure(*INCHES)
         grid = GridSpec(
-            2, 2, self.figure, width_ratios=(1.32, 1.0), height_ratios=(1.55, 1.0),
-            left=0.015, right=0.985, bottom=0.125, top=0.915, wspace=0.27, hspace=0.5,
-        )  # fmt: skip
+            2,
+            2,
+            self.figure,
+            width_ratios=(1.32, 1.0),
+            height_ratios=(1.55, 1.0),
+            left=0.015,
+            right=0.985,
+            bottom=0.125,
+            top=0.915,
+            wspace=0.27,
+            hspace=0.5,
+        )
         self._table(self.figure.add_subplot(grid[:, 0]))
         axes = self.figure.add_subplot(grid[0, 1])
         curve = np.degrees(self.result.curve)

@@ -27,9 +27,15 @@ def draw_materials(names: Sequence[str], panels: Sequence[One], draw_one: Callab
     with picture_style():
         figure = new_figure(width * columns, height * rows + 0.1)
         grid = figure.add_gridspec(
-            rows, columns, left=_SIDE / (width * columns), right=1.0 - 0.2 / (width * columns),
-            bottom=_FOOT / (height * rows), top=1.0 - _HEAD / (height * rows), hspace=0.5, wspace=0.22,
-        )  # fmt: skip
+            rows,
+            columns,
+            left=_SIDE / (width * columns),
+            right=1.0 - 0.2 / (width * columns),
+            bottom=_FOOT / (height * rows),
+            top=1.0 - _HEAD / (height * rows),
+            hspace=0.5,
+            wspace=0.22,
+        )
         for place, (name, one) in enumerate(zip(names, panels, strict=True)):
             axes = figure.add_subplot(grid[place // columns, place % columns])
             axes.set_title(name)

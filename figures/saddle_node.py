@@ -168,8 +168,11 @@ def _draw_pair(axes: Axes, result: SaddleNode) -> None:
     _mark(axes, fold, math.degrees(fold.theta))
     axes.annotate(
         f"saddle-node\n{MM * fold.radius:.3f} mm, {math.degrees(fold.theta):.1f}°",
-        (MM * fold.radius, math.degrees(fold.theta)), (16, -4), textcoords="offset points", va="center",
-    )  # fmt: skip
+        (MM * fold.radius, math.degrees(fold.theta)),
+        (16, -4),
+        textcoords="offset points",
+        va="center",
+    )
     axes.set(xlabel="distance of the ring from the centre (mm)", ylabel="direction θ0 (°)")
     axes.set_xlim(MM * RADII[0], MM * RADII[1])
     axes.set_yticks(range(45, 226, 45))

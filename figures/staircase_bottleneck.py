@@ -134,9 +134,18 @@ def bottleneck(
     lengths = steps.lengths[~steps.censored].astype(float)
     mean, spread = (math.nan if value is None else value for value in (zone.visit_cycles, zone.visit_spread))
     return Bottleneck(
-        title, circle_map, sigma, slowest, prediction, operator.density(_GRID), path, lengths, (mean, spread),
-        angle_histogram(path), bins,
-    )  # fmt: skip
+        title,
+        circle_map,
+        sigma,
+        slowest,
+        prediction,
+        operator.density(_GRID),
+        path,
+        lengths,
+        (mean, spread),
+        angle_histogram(path),
+        bins,
+    )
 
 
 def draw(result: StaircaseBottleneck) -> Figure:
@@ -163,9 +172,14 @@ def draw(result: StaircaseBottleneck) -> Figure:
                 panel(axes, one)
                 if panel is not _draw_lengths:
                     axes.legend(
-                        loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=3, borderaxespad=0.1, columnspacing=0.9,
-                        handlelength=1.5, fontsize=7.5,
-                    )  # fmt: skip
+                        loc="lower left",
+                        bbox_to_anchor=(-0.02, 1.0),
+                        ncols=3,
+                        borderaxespad=0.1,
+                        columnspacing=0.9,
+                        handlelength=1.5,
+                        fontsize=7.5,
+                    )
     return figure
 
 

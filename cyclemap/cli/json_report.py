@@ -138,17 +138,6 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
     }
 
 
-def forecast_report(found: LockForecast) -> Json:
-    """What the next pushes will bring."""
-    middle, low, high = found.orientations
-    where = [
-        {"theta_deg": direction_deg(theta), "share": share, "within_deg": degrees(within)}
-        for theta, share, within in found.directions
-    ]
-    seen = {"median": middle, "lower": low, "upper": high}
-    return {"cycles": found.cycles, "chance_of_lock_in": found.chance, "directions": where, "orientations_of_36": seen}
-
-
 def multiplier_report(found: RestMultiplier | None) -> Json | None:
     """The multiplier of the last cycles; None where they do not rest."""
     if found is None:
@@ -179,6 +168,17 @@ def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
             )
         found.append({**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)})
     return found
+
+
+def forecast_report(found: LockForecast) -> Json:
+    """What the next pushes will bring."""
+    middle, low, high = found.orientations
+    where = [
+        {"theta_deg": direction_deg(theta), "share": share, "within_deg": degrees(within)}
+        for theta, share, within in found.directions
+    ]
+    seen = {"median": middle, "lower": low, "upper": high}
+    return {"cycles": found.cycles, "chance_of_lock_in": found.chance, "directions": where, "orientations_of_36": seen}
 
 
 def _staircase(prediction: StaircaseSummary) -> Json:

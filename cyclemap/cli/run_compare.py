@@ -22,9 +22,17 @@ SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
 def run_compare(
-    options: LoopOptions, data: Path, table: TableOptions, first: int, select: tuple[str, ...],
-    runs: int, seed: int, out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    data: Path,
+    table: TableOptions,
+    first: int,
+    select: tuple[str, ...],
+    runs: int,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
     read = readable_data(data, table, out)
     loop, sigma = chosen_loop(options, data)

@@ -13,9 +13,15 @@ from cyclemap.views import experiment_page as page
 
 
 def run_experiment(
-    options: LoopOptions, batches: int, cycles: int, speed_mm_s: float, quasi_static: bool, out: Path,
-    picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    batches: int,
+    cycles: int,
+    speed_mm_s: float,
+    quasi_static: bool,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more than cycles."""
     loop, _ = chosen_loop(options)
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)

@@ -19,16 +19,32 @@ if TYPE_CHECKING:
     import pandas
 
 COLUMNS = (
-    "surface", "object", "pushes", "error (mm)", "median", "isotropic", "motion (mm)", "share",
-    "turn error (°)", "median", "isotropic",
-    "turn (°)", "share",
-)  # fmt: skip
+    "surface",
+    "object",
+    "pushes",
+    "error (mm)",
+    "median",
+    "isotropic",
+    "motion (mm)",
+    "share",
+    "turn error (°)",
+    "median",
+    "isotropic",
+    "turn (°)",
+    "share",
+)
 
 
 def run_replay(
-    options: LoopOptions, data: Path, table: TableOptions, select: tuple[str, ...], pusher_friction: float | None,
-    out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    data: Path,
+    table: TableOptions,
+    select: tuple[str, ...],
+    pusher_friction: float | None,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's friction may be named."""
     loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
     material, pusher = loop.material, loop.pusher
@@ -88,18 +104,37 @@ _MILLIMETRES = {
     **{
         name: f"{name}_mm"
         for name in (
-            "error", "rms_error", "measured_motion", "predicted_motion", "shift", "start_gap", "straightness",
-            "mean_error", "median_error", "mean_motion", "mean_rms_error", "isotropic_error", "isotropic_mean_error",
+            "error",
+            "rms_error",
+            "measured_motion",
+            "predicted_motion",
+            "shift",
+            "start_gap",
+            "straightness",
+            "mean_error",
+            "median_error",
+            "mean_motion",
+            "mean_rms_error",
+            "isotropic_error",
+            "isotropic_mean_error",
         )
     },
-}  # fmt: skip
+}
 _DEGREES = {
     name: f"{name}_deg"
     for name in (
-        "angle", "turn_error", "rms_turn_error", "measured_turn", "predicted_turn", "mean_turn_error",
-        "median_turn_error", "mean_turn", "isotropic_turn_error", "isotropic_mean_turn_error",
+        "angle",
+        "turn_error",
+        "rms_turn_error",
+        "measured_turn",
+        "predicted_turn",
+        "mean_turn_error",
+        "median_turn_error",
+        "mean_turn",
+        "isotropic_turn_error",
+        "isotropic_mean_turn_error",
     )
-}  # fmt: skip
+}
 
 
 def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: float, notes: list[str]) -> Json:

@@ -18,10 +18,21 @@ ACCURACY = 1e-6
 
 
 def run_simulate(
-    options: LoopOptions, folder: Path, cycles: int, seed: int, start_deg: float, noise_deg: float | None,
-    pose_noise_mm: float, pose_noise_deg: float, force_noise_n: float, wear_to: str | None, speed_mm_s: float,
-    scans: bool, suffix: str, json_target: str | None,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    folder: Path,
+    cycles: int,
+    seed: int,
+    start_deg: float,
+    noise_deg: float | None,
+    pose_noise_mm: float,
+    pose_noise_deg: float,
+    force_noise_n: float,
+    wear_to: str | None,
+    speed_mm_s: float,
+    scans: bool,
+    suffix: str,
+    json_target: str | None,
+) -> None:
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
     chosen = chosen_collection(options).simplified()
     loop, strategy, cycle_by_cycle = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy, dict[str, Any]()

@@ -22,9 +22,15 @@ _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the di
 
 
 def run_strategy_portrait(
-    chosen: ChosenCollection, strategy: ResetStrategy, pairs: Theta0Pairs | None, cycles: int | None, seed: int,
-    out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    chosen: ChosenCollection,
+    strategy: ResetStrategy,
+    pairs: Theta0Pairs | None,
+    cycles: int | None,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     with progress_bar(f"cycle maps of {loop.material.name}") as report:
@@ -69,9 +75,15 @@ def run_strategy_portrait(
 
 
 def run_strategy_staircase(
-    chosen: ChosenCollection, strategy: ResetStrategy, measured: MeasuredStaircase | None, cycles: int | None,
-    seed: int, out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    chosen: ChosenCollection,
+    strategy: ResetStrategy,
+    measured: MeasuredStaircase | None,
+    cycles: int | None,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people or as JSON."""
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     data = None if measured is None else measured.path

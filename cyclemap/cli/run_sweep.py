@@ -34,9 +34,16 @@ _OBJECT_KEYS = {key for key, setting in SETTINGS.items() if setting.place in ("s
 
 
 def run_sweep(
-    options: LoopOptions, export: str, draw: str, status: bool, workers: int | None, out: Path, picture_format: str,
-    json_target: str | None, **asked: Any,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    export: str,
+    draw: str,
+    status: bool,
+    workers: int | None,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+    **asked: Any,
+) -> None:
     """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far it is.
 
     asked : the points and quantities, see `sweep_plan`.
@@ -68,9 +75,14 @@ def run_sweep(
 
 
 def _publish(
-    sweep: Sweep, stem: Path, store: Path, exports: tuple[str, ...], drawn: tuple[str, ...], picture_format: str,
+    sweep: Sweep,
+    stem: Path,
+    store: Path,
+    exports: tuple[str, ...],
+    drawn: tuple[str, ...],
+    picture_format: str,
     json_target: str | None,
-) -> None:  # fmt: skip
+) -> None:
     files, keys = [store], len(sweep.keys)
     for name in exports:
         ending, write = _EXPORTS[name]
@@ -97,9 +109,15 @@ def _object_loop(plan: SweepPlan) -> CollectionLoop:
 
 
 def sweep_plan(
-    options: LoopOptions, over: tuple[str, ...], sample: int | None, seed: int, sequence: str, quantities: str,
-    tolerance_deg: float | None, rotation_tolerance: float,
-) -> SweepPlan:  # fmt: skip
+    options: LoopOptions,
+    over: tuple[str, ...],
+    sample: int | None,
+    seed: int,
+    sequence: str,
+    quantities: str,
+    tolerance_deg: float | None,
+    rotation_tolerance: float,
+) -> SweepPlan:
     """The plan that the options ask for: what is swept overrules the protocol file, as --set does."""
     ranges = tuple(map(parse_over, over))
     swept = {one.key for one in ranges}

@@ -161,8 +161,11 @@ def _action(row: object) -> tuple[CycleAction, float | None]:
         raise InvalidInput("it is empty: give side, fraction and push_mm, or way_points_mm, or gripper_turn_deg")
     push = None
     if {"side", *_PUSH_UNITS} & set(given):
-        whole = _checked({"angle_deg": 0, **{k: v for k, v in given.items() if k in ("side", *_PUSH_UNITS)}},
-                         ("side", *_PUSH_UNITS), ("side", "fraction", "push_mm"))  # fmt: skip
+        whole = _checked(
+            {"angle_deg": 0, **{k: v for k, v in given.items() if k in ("side", *_PUSH_UNITS)}},
+            ("side", *_PUSH_UNITS),
+            ("side", "fraction", "push_mm"),
+        )
         push = SidePush(
             whole_number("side", whole["side"], least=0), *(_number(k, whole[k], u) for k, u in _PUSH_UNITS.items())
         )

@@ -41,9 +41,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
     figure = style.new_figure()
     rows = bool(found.pushes) + (found.cycle is not None)
-    grid = GridSpec(
-        max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
-    )  # fmt: skip
+    grid = GridSpec(max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62)
     if found.cycle is not None:
         _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
     if found.pushes:
@@ -63,9 +61,11 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
 @style.picture_style()
 def residual_page(found: Comparison) -> Figure | None:
     """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None without either."""
-    left = [] if found.cycle is None or found.data.pairs is None else [
-        ("turn of a cycle (°)", found.data.pairs.theta, np.degrees(found.cycle.off))
-    ]  # fmt: skip
+    left = (
+        []
+        if found.cycle is None or found.data.pairs is None
+        else [("turn of a cycle (°)", found.data.pairs.theta, np.degrees(found.cycle.off))]
+    )
     if found.pushes:
         theta = np.concatenate([one.theta for one in found.pushes])
         off = np.concatenate([one.measured - one.predicted for one in found.pushes])
@@ -76,9 +76,16 @@ def residual_page(found: Comparison) -> Figure | None:
     rows = -(-len(left) // columns)
     figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
     grid = GridSpec(
-        rows, columns, figure,
-        left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
-    )  # fmt: skip
+        rows,
+        columns,
+        figure,
+        left=0.1,
+        right=0.98,
+        bottom=0.2 / rows,
+        top=1.0 - 0.05 / rows,
+        wspace=0.2,
+        hspace=0.35,
+    )
     for number, (label, theta, off) in enumerate(left):
         axes = figure.add_subplot(grid[number // columns, number % columns])
         axes.axhline(0.0, color=QUIET, linewidth=0.9)

@@ -92,9 +92,17 @@ def _draw_differences(
     for (label, colour, marker), pair in curves:
         for values, line, face, name in zip(pair, ("-", "--"), (colour, "white"), (label, "_isotropic"), strict=True):
             axes.plot(
-                np.degrees(theta), values, line, color=colour, marker=marker, markersize=4.5,
-                linewidth=1.3, markerfacecolor=face, label=name, zorder=3,
-            )  # fmt: skip
+                np.degrees(theta),
+                values,
+                line,
+                color=colour,
+                marker=marker,
+                markersize=4.5,
+                linewidth=1.3,
+                markerfacecolor=face,
+                label=name,
+                zorder=3,
+            )
     axes.axhline(0.0, color=QUIET, linewidth=0.8, zorder=1)
     axes.set(xlabel=THETA0, ylabel=f"dynamic − quasi-static ({unit})")
     axes.xaxis.set_major_locator(MultipleLocator(60.0))

@@ -62,9 +62,15 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
         shade = 0.65 * number / max(len(run.theta) - 1, 1)
         start = f"from {np.degrees(theta[0]):.0f}°"
         axes.plot(
-            np.degrees(theta), color=str(shade), linewidth=1.3, marker=_MARKERS[number % len(_MARKERS)], markersize=3.5,
-            markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)), label=start, clip_on=False,
-        )  # fmt: skip
+            np.degrees(theta),
+            color=str(shade),
+            linewidth=1.3,
+            marker=_MARKERS[number % len(_MARKERS)],
+            markersize=3.5,
+            markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)),
+            label=start,
+            clip_on=False,
+        )
     axes.set(xlabel="cycle", xlim=(0, cycles))
     axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     span = float(np.ptp(np.degrees(run.theta)))

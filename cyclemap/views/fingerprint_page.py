@@ -30,9 +30,17 @@ def fingerprint_page(
     """
     figure = style.new_figure()
     grid = GridSpec(
-        2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
+        2,
+        2,
+        figure,
+        width_ratios=(1.0, 1.5),
+        left=0.065,
+        right=0.985,
+        bottom=0.12,
+        top=0.76,
+        wspace=0.16,
         hspace=0.62,
-    )  # fmt: skip
+    )
     column = 0 if prediction is not None else slice(None)
     draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
     draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)

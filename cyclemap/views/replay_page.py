@@ -34,8 +34,16 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
     figure = style.new_figure()
     grid = GridSpec(
-        2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
-    )  # fmt: skip
+        2,
+        12,
+        figure,
+        left=0.055,
+        right=0.985,
+        bottom=0.12,
+        top=0.83,
+        wspace=1.9,
+        hspace=0.62,
+    )
     for turn in (False, True):
         errors, motions = (figure.add_subplot(grid[0, left : left + 3]) for left in (3 * turn, 6 + 3 * turn))
         _draw_whole(errors, motions, replayed, turn)

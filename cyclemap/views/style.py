@@ -90,9 +90,14 @@ def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
 
 
 def write_page(
-    figure: Figure, title: str, words: Iterable[str], foot: str = "", top: float = 0.928, letters: int = 175,
+    figure: Figure,
+    title: str,
+    words: Iterable[str],
+    foot: str = "",
+    top: float = 0.928,
+    letters: int = 175,
     size: float = 18.0,
-) -> None:  # fmt: skip
+) -> None:
     """Write the title, the sentences below it (those that are empty left out), and what is small at the foot."""
     figure.text(0.015, 0.955, title, fontsize=size, fontweight="bold", va="center")
     told = fill(" ".join(filter(None, words)), letters)

@@ -111,13 +111,25 @@ def test_pages_and_style_sheets_load_nothing_from_elsewhere(pages, site):
 def test_every_public_name_and_command_is_in_the_reference(pages):
     anchors = {name for read in pages.values() for name in read.anchors}
     rooms = {name for name in cm.__all__ if inspect.ismodule(getattr(cm, name))}
-    assert len(rooms) == 7
+    assert len(rooms) == 8
     paths = {f"cyclemap.{name}" for name in cm.__all__ if name not in rooms}
     for room in rooms - {"views"}:
         paths |= {f"cyclemap.{room}.{name}" for name in getattr(cm, room).__all__ if name not in cm.__all__}
     assert len(paths) > 250
     assert len(cli.commands) >= 8
     assert sorted((paths | {f"cyclemap-{name}" for name in cli.commands}) - anchors) == []
+
+
+def test_a_name_has_a_page_of_its_own_and_its_room_leads_to_it_in_the_rooms_order(pages, site):
+    for room in ("maps", "collection", "protocol"):
+        module = getattr(cm, room)
+        told = [line.partition(" : ")[0] for line in module.__doc__.splitlines() if " : " in line]
+        wanted = [name for names in told for name in names.split(", ")]
+        page = site / "reference" / "api" / f"{room}.html"
+        links = [link.partition("#")[0] for link in pages[page].links if link.startswith("names/")]
+        shown = [link.removeprefix("names/").removesuffix(".html").rpartition(".")[2] for link in links]
+        assert [name for name in dict.fromkeys(shown) if name in wanted] == wanted
+        assert all((page.parent / link).is_file() for link in links)
 
 
 def test_formulas_are_well_formed_and_no_role_or_formula_comes_through_as_text(site):

@@ -7,6 +7,7 @@ import house_docstrings
 import mathml_math
 import public_names
 import pytest
+import rooms
 from house_docstrings import house_to_rest
 from mathml_math import UnknownFormula, mathml
 
@@ -47,7 +48,7 @@ def test_docstrings_become_lists_rubrics_formulas_and_examples() -> None:
     assert ".. code-block:: pycon\n\n   >>> 1 + 1\n   2" in text
 
 
-@pytest.mark.parametrize("module", [house_docstrings, mathml_math, public_names], ids=lambda one: one.__name__)
+@pytest.mark.parametrize("module", [house_docstrings, mathml_math, public_names, rooms], ids=lambda one: one.__name__)
 def test_the_extensions_own_examples_hold(module) -> None:
     found = doctest.testmod(module)
     assert found.attempted > 0 and found.failed == 0

@@ -259,9 +259,14 @@ def series_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
 
 
 def fit_series(
-    angles: Array, values: Array, polynomials: Array, orders: list[int], degrees: list[int],
-    noise_harmonics: int | None, seed: int,
-) -> tuple[LinearFit, Array, int, int, Array | None]:  # fmt: skip
+    angles: Array,
+    values: Array,
+    polynomials: Array,
+    orders: list[int],
+    degrees: list[int],
+    noise_harmonics: int | None,
+    seed: int,
+) -> tuple[LinearFit, Array, int, int, Array | None]:
     """Fit a Fourier series whose coefficients are sums of polynomials (n, m): fit, log-variance, order, degree, errors.
 
     Order and degree are the one-standard-error choice from the candidates, which begin with 0 where there are several;

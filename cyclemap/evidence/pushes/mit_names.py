@@ -128,9 +128,12 @@ def _decimal(name: str, value: float, shift: int = 0, decimals: int = 0) -> str:
 
 
 def _name(
-    kind: str, facts: PushFacts | ScanFacts, place: str, digits: int,
+    kind: str,
+    facts: PushFacts | ScanFacts,
+    place: str,
+    digits: int,
     read: Callable[[str], PushFacts | ScanFacts | None],
-) -> str:  # fmt: skip
+) -> str:
     """The name of a file; InvalidInput where reading it gives other facts."""
     motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
     name, repetition = f"{kind}_surface={facts.surface}_shape={facts.object}_{motion}_{place}", facts.repetition

@@ -51,13 +51,28 @@ if TYPE_CHECKING:
 # plate is symmetric about both axes. Nodes of the outline in the dataset's code (peterkty/pnpush, shape_db.py, "butt",
 # and its CAD points), whose spline the mesh in mcubelab/pdproc (butter.obj) follows within 0.01 mm.
 _QUARTER = (
-    (27.3790177, 0.0), (28.021517, 4.9769114), (29.7530391, 9.9489481), (32.2795708, 14.9115157),
-    (35.3071749, 19.8595996), (38.5418302, 24.7884652), (41.6895866, 29.6933079), (44.4564538, 34.5692232),
-    (46.5484518, 39.4117064), (47.6716003, 44.215653), (47.5723138, 48.9696983), (46.2633978, 53.6184558),
-    (43.8655401, 58.0887518), (40.4997342, 62.3073622), (36.2869737, 66.2010628), (31.3482126, 69.6966295),
-    (25.8045628, 72.7208383), (19.7768994, 75.2004648), (13.3862555, 77.0622851), (6.7536245, 78.233075),
+    (27.3790177, 0.0),
+    (28.021517, 4.9769114),
+    (29.7530391, 9.9489481),
+    (32.2795708, 14.9115157),
+    (35.3071749, 19.8595996),
+    (38.5418302, 24.7884652),
+    (41.6895866, 29.6933079),
+    (44.4564538, 34.5692232),
+    (46.5484518, 39.4117064),
+    (47.6716003, 44.215653),
+    (47.5723138, 48.9696983),
+    (46.2633978, 53.6184558),
+    (43.8655401, 58.0887518),
+    (40.4997342, 62.3073622),
+    (36.2869737, 66.2010628),
+    (31.3482126, 69.6966295),
+    (25.8045628, 72.7208383),
+    (19.7768994, 75.2004648),
+    (13.3862555, 77.0622851),
+    (6.7536245, 78.233075),
     (0.0, 78.6396103),
-)  # fmt: skip
+)
 
 # Of the dataset's rect1, cut from the same plate: 0.8374 kg on 90 mm by 90 mm; the butterfly's own mass is not given
 # there. It scales the forces alone, never the motion.
@@ -74,11 +89,27 @@ _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "ang
 # Reading the folder is this share of the work.
 _READING = 0.1
 REPLAY_COLUMNS = (
-    *_FACTS, "error", "turn_error", "isotropic_error", "isotropic_turn_error",
-    "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
-    "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
-    "touch_agrees", "leaving_agrees", "path",
-)  # fmt: skip
+    *_FACTS,
+    "error",
+    "turn_error",
+    "isotropic_error",
+    "isotropic_turn_error",
+    "rms_error",
+    "rms_turn_error",
+    "measured_motion",
+    "predicted_motion",
+    "measured_turn",
+    "predicted_turn",
+    "shift",
+    "start_gap",
+    "straightness",
+    "strokes",
+    "touched",
+    "left",
+    "touch_agrees",
+    "leaving_agrees",
+    "path",
+)
 
 
 def dataset_sliders() -> dict[str, Slider]:
