@@ -47,9 +47,9 @@ from cyclemap.evidence.measured_plan import identified_plan
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import table_of
-from cyclemap.evidence.push_plan.sensitivity import SET_OFF, UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
+from cyclemap.evidence.push_plan.sensitivity import UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
-from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of, push_noise
+from cyclemap.evidence.pushes.planned_table import SET_OFF, filled_text, mark_columns, marks_of, push_noise
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.inference.measured_floors import FLOORS, PLATES
 from tests.inference.measured_floors import measured as measured_pushes

@@ -477,7 +477,8 @@ def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | N
     if not {*ERRORS} <= set(table.header):
         return None
     read = np.array([[table.number(row, name) for name in ERRORS] for row in rows])
-    along, _, turned, dragged = push_noise((1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))))
+    worst = 1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))
+    along, _, turned, dragged = push_noise(worst, by_hand=FRAMES_AGREE in table.header)
     return {"push place (m)": float(along), "push turn (rad)": float(turned), "drag turn (rad)": float(dragged)}
 
 

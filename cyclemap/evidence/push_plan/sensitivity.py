@@ -26,6 +26,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
 from cyclemap.evidence.push_plan.candidates import SetPush
+from cyclemap.evidence.pushes.planned_table import SET_OFF
 from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 
@@ -36,8 +37,6 @@ UNKNOWNS = CYCLE_UNKNOWNS
 _NODES, _FINE, _ANGLES = 33, 720, 36
 # Nothing is known worse than of a direction that may be any, rad.
 ANY_DIRECTION = math.pi / math.sqrt(3.0)
-# How far off its mark a rod is set, m.
-SET_OFF = 2e-3
 # Pushes of which the prediction of any is asked.
 _ASKED = 60
 

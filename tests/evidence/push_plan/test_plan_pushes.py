@@ -16,7 +16,6 @@ from cyclemap.evidence.identification.surface_parameters import SurfaceParameter
 from cyclemap.evidence.push_plan.candidates import candidate_pushes, placed
 from cyclemap.evidence.push_plan.plan_pushes import Design
 from cyclemap.evidence.push_plan.sensitivity import (
-    SET_OFF,
     TARGETS,
     UNKNOWNS,
     Beliefs,
@@ -24,7 +23,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     push_sensitivity,
     target_of,
 )
-from cyclemap.evidence.pushes.planned_table import push_noise
+from cyclemap.evidence.pushes.planned_table import SET_OFF, push_noise
 from cyclemap.mechanics import Pose, Slider
 
 NOISE = push_noise((1e-3, math.radians(1.0)))

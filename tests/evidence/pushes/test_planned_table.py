@@ -122,7 +122,7 @@ def test_identification_takes_the_errors_that_the_table_tells_and_frees_no_shift
     path = tmp_path / "read.csv"
     path.write_text(filled_text(filled(tmp_path))[0])
     data = collected_blocks([path], LOOP)
-    along, _, turned, dragged = push_noise(READ)
+    along, _, turned, dragged = push_noise(READ, by_hand=True)
     sizes = {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
     assert data.noise == pytest.approx(sizes)
     assert not {name for block in data.blocks for name in block.parameters if name.startswith("tip_offset")}
