@@ -197,6 +197,9 @@ def run_tests(arguments: list[str]) -> int:
     """
     usual = VENV.name == ".venv"
     codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS if usual]
+    formatter = PYTHON.with_name(f"clang-format{PYTHON.suffix}")
+    if usual and formatter.exists():
+        codes.append(call([formatter, "--dry-run", "-Werror", *sorted(ENGINE.glob("*.c"))]))
     chosen = [] if usual else ["-W", "ignore::DeprecationWarning", "-W", "ignore::FutureWarning"]
     if "--quick" in arguments:
         chosen += ["-m", "not slow"]

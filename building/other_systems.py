@@ -108,7 +108,7 @@ def wheel(name: str, system: System, folder: Path) -> str:
     dist.mkdir(exist_ok=True)
     made = pack(sources, dist, system.tag)
     is_here = name == here()
-    ran = run_wheel(made, library.parent / "unpacked") if is_here else run_emulated(system, folder, library.parent)
+    ran = run_wheel(made, library.parent / "unpacked") if is_here else run_engine(system, folder, library.parent)
     return f"dist/{made.name}: {made.stat().st_size / 1e3:.0f} kB, {ran}"
 
 
@@ -167,20 +167,21 @@ def check(name: str, system: System, library: Path) -> None:
         raise BuildError(f"What was compiled for {name} needs glibc {'.'.join(map(str, newest))}.")
 
 
-def run_emulated(system: System, folder: Path, place: Path) -> str:
-    """Run the engine in a small program of another system by an emulator, where there is one; what came of it."""
-    emulator = shutil.which(f"qemu-{system.machine}") if system.machine else None
-    if emulator is None:
+def run_engine(system: System, folder: Path, place: Path) -> str:
+    """Run the engine in a small program of another system, by an emulator where that takes one; what came of it."""
+    is_machine = sys.platform == "linux" and platform.machine() == system.machine
+    emulator = None if is_machine or not system.machine else shutil.which(f"qemu-{system.machine}")
+    if not (is_machine or emulator):
         return "not run: no such machine and no emulator of it here"
     source, program = folder / "trial.c", place / "trial"
     source.write_text(_TRIAL, encoding="utf-8")
     try:
         flags = ("-target", f"{system.machine}-linux-musl", "-static", "-O2")
         compile_for(ZIG, flags, source, program, (folder, ENGINE), "trial")
-        subprocess.run([emulator, program], check=True)
+        subprocess.run([emulator, program] if emulator else [program], check=True)
     except (Refused, subprocess.CalledProcessError) as error:
         raise BuildError(f"The engine for {system.target} does not run: {error}") from error
-    return f"run by {Path(emulator).name}"
+    return f"run by {Path(emulator).name}" if emulator else "the engine runs"
 
 
 # The engine itself, in a program without a system's libraries, which an emulator need not have.

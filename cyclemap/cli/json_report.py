@@ -12,6 +12,7 @@ import numpy as np
 from cyclemap.file_text import MILLIMETRES
 
 if TYPE_CHECKING:
+    from cyclemap.collection.lock_forecast import LockForecast
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
@@ -55,6 +56,8 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     }
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
+    if portrait.forecast is not None:
+        report["forecast"] = forecast_report(portrait.forecast)
     if portrait.worn is not None:
         report["worn"] = _with_zones(portrait.worn)
     if measured is not None:
@@ -77,6 +80,8 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     }
     if forecast.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(forecast.uncertainty)
+    if forecast.forecast is not None:
+        report["forecast"] = forecast_report(forecast.forecast)
     if forecast.worn is not None:
         report["worn"] = _with_zones(forecast.worn)
     return report if measured is None else {**report, "data": measured_report(measured)}
@@ -163,6 +168,17 @@ def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
             )
         found.append({**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)})
     return found
+
+
+def forecast_report(found: LockForecast) -> Json:
+    """What the next pushes will bring."""
+    middle, low, high = found.orientations
+    where = [
+        {"theta_deg": direction_deg(theta), "share": share, "within_deg": degrees(within)}
+        for theta, share, within in found.directions
+    ]
+    seen = {"median": middle, "lower": low, "upper": high}
+    return {"cycles": found.cycles, "chance_of_lock_in": found.chance, "directions": where, "orientations_of_36": seen}
 
 
 def _staircase(prediction: StaircaseSummary) -> Json:

@@ -60,6 +60,7 @@ def run_portrait(
     console, material = PeopleConsole(), found.loop.material
     told = [sentences.lock_sentence(found), sentences.noise_sentence(found), sentences.staircase_sentence(found)]
     told.append(sentences.uncertainty_sentence(material.name, found.uncertainty))
+    told.append(sentences.ahead_sentence(found.forecast))
     if measured is not None:
         told.append(sentences.agreement_sentence(measured.agreement))
     console.tell(sentences.headline(found), *filter(None, told))

@@ -9,7 +9,7 @@ from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
 from cyclemap.evidence import measured_staircase
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.views import staircase_page
-from cyclemap.views.sentences import uncertainty_sentence
+from cyclemap.views.sentences import ahead_sentence, uncertainty_sentence
 
 
 def run_staircase(
@@ -37,7 +37,7 @@ def run_staircase(
     if picture is None:
         return
     told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
-    told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
+    told += [uncertainty_sentence(loop.material.name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
     if measured is not None:
         told += [staircase_page.measured_sentence(measured), staircase_page.fitted_sentence(measured)]
     words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
+from cyclemap.collection.lock_forecast import REST_CYCLES, LockForecast, lock_forecast
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.wearing_loop import drifting_map
@@ -83,6 +84,7 @@ class Portrait:
         on the surface of the last cycle are like; all else is of the fresh surface. None where it does not.
     cycle : one noiseless cycle, started at the most visited stable point, or at 0 where there is none.
     uncertainty : how well the stable directions are known, of the fresh surface; None where the mechanics is not.
+    forecast : what the pushes of the run will bring, of all that is believed; None where there are no samples of it.
     """
 
     loop: CollectionLoop
@@ -99,6 +101,7 @@ class Portrait:
     drifting: DriftingMap | None = None
     worn: StaircaseSummary | None = None
     uncertainty: DirectionUncertainty | None = None
+    forecast: LockForecast | None = None
 
     def _repr_html_(self) -> str:
         theta = np.linspace(0.0, FULL_TURN, 361)
@@ -188,9 +191,18 @@ def portrait(
         drifting=drifting,
         worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
         uncertainty=uncertainty,
+        forecast=_forecast(loop, noise.sigma, cycles, start, seed),
     )
     report(1.0)
     return result
+
+
+def _forecast(loop: CollectionLoop, sigma: float, cycles: int, start: float, seed: int) -> LockForecast | None:
+    """What a run brings where it is long enough to lock in, on a surface that stays and of which there are samples."""
+    stays = isinstance(loop, CollectionLoop) and loop.material.wear is None
+    if not stays or loop.material.posterior is None or cycles < REST_CYCLES:
+        return None
+    return lock_forecast(loop, sigma, cycles, start, seed)
 
 
 def _maps_of(
@@ -250,7 +262,7 @@ class StaircaseForecast:
 
     log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
     too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
-    comparison : these steps beside the prediction, of the fresh surface.
+    comparison : these steps beside the prediction, of the fresh surface. forecast : as of a `Portrait`.
     """
 
     loop: CollectionLoop
@@ -264,6 +276,7 @@ class StaircaseForecast:
     drifting: DriftingMap | None = None
     worn: StaircaseSummary | None = None
     uncertainty: DirectionUncertainty | None = None
+    forecast: LockForecast | None = None
 
 
 def staircase_forecast(
@@ -305,6 +318,18 @@ def staircase_forecast(
     report(1.0)
     steps = find_steps(run.theta)
     comparison = compare_steps(steps, prediction)
+    ahead = _forecast(loop, noise.sigma, cycles, start, seed)
     return StaircaseForecast(
-        loop, cycle_map, noise, prediction, tuple(residences), run, steps, comparison, drifting, worn, uncertainty
+        loop,
+        cycle_map,
+        noise,
+        prediction,
+        tuple(residences),
+        run,
+        steps,
+        comparison,
+        drifting,
+        worn,
+        uncertainty,
+        ahead,
     )

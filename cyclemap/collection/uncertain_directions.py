@@ -280,7 +280,7 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
 def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> tuple[DirectionInterval, ...]:
     """The interval of each stable direction of the stated numbers, else of each cluster of the samples'."""
     every = np.concatenate([np.zeros(0), *points])
-    centres = nominal if nominal.size else _clusters(every)
+    centres = nominal if nominal.size else clusters(every)
     found = []
     for index, centre in enumerate(centres):
         away = []
@@ -299,8 +299,8 @@ def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> t
     return tuple(found)
 
 
-def _clusters(points: Array) -> Array:
-    """Centres of points of the circle (n,), rad, that gaps part."""
+def clusters(points: Array) -> Array:
+    """Return the centres of points of the circle (n,), rad, that gaps of 40 degrees part."""
     if not points.size:
         return points
     order = np.sort(points)

@@ -24,6 +24,7 @@ Rotation
 rotation_number, RotationNumber : with bounds, and whether it is locked
 rotation_interval, RotationInterval : of a lift that folds
 rotation_numbers, RotationNumbers, rotation_plane, RotationPlane : many at once
+topological_entropy, kneading_sequences : of a lift that folds, with bounds from both sides
 birkhoff_average : the mean of a function along an orbit, weighted to converge fast
 lyapunov_exponent, lyapunov_exponents, LyapunovExponents : with noise by the operator; of many orbits
 
@@ -106,6 +107,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
     from cyclemap.maps.orbits.diagonal import JumpCrossing
+    from cyclemap.maps.orbits.entropy import kneading_sequences, topological_entropy
     from cyclemap.maps.orbits.envelopes import is_nondecreasing, lower_envelope, upper_envelope
     from cyclemap.maps.orbits.periodic_points import (
         Orbit,
@@ -159,7 +161,7 @@ __all__ += ["MetastableSet", "Spectrum", "TransferOperator", "transfer_operator"
 __all__ += ["Basin", "JumpCrossing", "Orbit", "PeriodicPoints", "RotationInterval", "RotationNumber", "SlowPassage"]
 __all__ += ["basins", "birkhoff_average", "crossings_by_jump", "fixed_points", "is_nondecreasing", "lower_envelope"]
 __all__ += ["periodic_orbits", "periodic_points", "rotation_interval", "rotation_number", "slow_passages"]
-__all__ += ["upper_envelope"]
+__all__ += ["kneading_sequences", "topological_entropy", "upper_envelope"]
 __all__ += ["QuasiStationary", "hitting_probability", "log10_passage_time", "mean_passage_time", "quasi_stationary"]
 __all__ += ["survival_probabilities"]
 __all__ += ["DriftSummary", "DriftingMap", "LocalNoise", "SlowZone", "Staircase", "StaircaseSummary", "StepComparison"]

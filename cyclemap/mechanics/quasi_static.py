@@ -281,17 +281,17 @@ class QuasiStaticModel:
         )
 
 
-def run_strokes(courses: Sequence[Course], derivatives: int = 0, failing: float = 0.0) -> Ran:
+def run_strokes(courses: Sequence[Course], derivatives: int = 0, most_failing: float = 0.0) -> Ran:
     """Run what n courses tell of from where they start, which no parameter moves.
 
-    derivatives : how many of PARAMETERS to differentiate by. failing : share of the courses that
-        may fail, whose results are nan. Raises as the first that fails where more do.
+    derivatives : how many of PARAMETERS to differentiate by. most_failing : share of the courses
+        that may fail, whose results are nan. Raises as the first that fails where more do.
     """
     poses = np.array([course.pose for course in courses])
     still = np.zeros((len(courses), 3, derivatives))
     ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, still)
     failed = np.flatnonzero(ran.status <= 0)
-    if failed.size > failing * len(courses):
+    if failed.size > most_failing * len(courses):
         first = int(failed[0])
         raise refusal(int(ran.status[first]), courses[first].strokes)
     return ran

@@ -20,6 +20,7 @@ sweep_curves, SweptLines, SweptPlane, SweptScatter : what can be drawn of one ke
 Margins
 -------
 direction_margins, DirectionMargin, DirectionChange : how far each setting is from losing or gaining a stable direction
+change_curve : where that happens in a plane of two settings
 """
 
 from typing import TYPE_CHECKING
@@ -28,7 +29,12 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.sweeps.direction_margins import DirectionChange, DirectionMargin, direction_margins
+    from cyclemap.sweeps.direction_margins import (
+        DirectionChange,
+        DirectionMargin,
+        change_curve,
+        direction_margins,
+    )
     from cyclemap.sweeps.point_sets import Grid, Sample, SweepAxis, SweepRange
     from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers, Quantity, SweptPoint
     from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
@@ -39,7 +45,7 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = ["DirectionChange", "DirectionMargin", "direction_margins"]
+__all__ = ["DirectionChange", "DirectionMargin", "change_curve", "direction_margins"]
 __all__ += ["Grid", "Sample", "SweepAxis", "SweepRange"]
 __all__ += ["PointOutcome", "PortraitNumbers", "Quantity", "SweptPoint"]
 __all__ += ["run_sweep", "sweep_status"]

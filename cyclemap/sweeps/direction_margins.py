@@ -4,6 +4,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.collection.uncertain_directions import stable_points
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.maps import Estimate
+from cyclemap.maps import Bifurcation, BifurcationCurve, CircleMap, Estimate, follow_bifurcation
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
 from cyclemap.protocol.settings import loop_from_settings
@@ -26,6 +27,7 @@ _SETTING_STEP, _ANGLE_STEP, _ITERATIONS = 1e-5, 1e-4, 12
 _NODES, _HALVINGS = 96, 12
 # rad: so far a turn is from nought where the directions beside a fold are counted.
 _BESIDE = 1e-3
+Ends = tuple[float, float]
 SMOOTH = {"saddle-node": 1.0, "period doubling": -1.0}
 
 
@@ -225,3 +227,39 @@ class _Way:
         bend = float(slope[1, 2] - slope[1, 0]) / (2.0 * _ANGLE_STEP)
         twist = float(slope[2, 1] - slope[0, 1]) / (2.0 * step)
         return np.array([turn, slope[1, 1] - target]), np.array([[slope[1, 1] - 1.0, push], [bend, twist]])
+
+
+def change_curve(
+    loop: CollectionLoop, key: str, change: DirectionChange, other: str, first: Ends, second: Ends
+) -> BifurcationCurve:
+    """Return the curve on which stable directions change in a plane of two settings, from one change of a margin.
+
+    key, change : the setting of a `DirectionMargin` and its `below` or `above`, no kink. other : the second setting,
+    at the loop's own value there. first, second : (low, high) of both, in the units of their keys, which are those of
+    the curve as well. See `cyclemap.maps.follow_bifurcation`; every map is run cycle by cycle, so that a curve takes
+    half a minute.
+    """
+    settings = setting_named(key), setting_named(other)
+    units = [float(setting.unit.in_si) for setting in settings]
+    at = _value(settings[1], require_loop(loop))
+    if at is None or change.kind not in SMOOTH:
+        raise InvalidInput(f"{other} must be a setting with a range, and the change, a {change.kind}, must be smooth")
+    exact = replace(loop, accuracy=_ACCURACY)
+
+    @lru_cache(maxsize=64)
+    def family(one: float, two: float) -> CircleMap:
+        member = loop_from_settings({key: one, other: two}, exact)
+
+        def slopes(theta: Array) -> Array:
+            return run_batch((member,), theta.reshape(1, -1), 1).jacobian[0, :, -1, 0].reshape(theta.shape)
+
+        return CircleMap(member.next_theta, slopes, max_error=_CYCLE_ERROR)
+
+    value, slope = Estimate(change.value / units[0], change.value.error_bound / units[0]), SMOOTH[change.kind]
+    turn = float(exact.next_theta(change.theta)) - change.theta
+    kind = change.kind.replace(" ", "-")
+    winding = round(turn / TWO_PI)
+    start = Bifurcation(kind, value, np.array([change.theta]), 1, winding, slope, slope, False, 0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtfulInput)
+        return follow_bifurcation(family, start, at / units[1], first, second)

@@ -193,7 +193,7 @@ def draw_bifurcation_curves(
     for index, values in enumerate(zip(*((curve.first, curve.second) for curve in curves), strict=True)):
         every = np.concatenate([shown_to[index], *values]) if boundaries is not None else np.concatenate(values)
         shown_to[index] = every.min(), every.max()
+    shown_to += 0.02 * np.ptp(shown_to, axis=1, keepdims=True) * np.array([-1.0, 1.0])
     axes.set(xlabel=first_label, ylabel=second_label, xlim=shown_to[0], ylim=shown_to[1])
-    axes.margins(0.02)
     named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     legend_above(axes, columns=4, handles=list(named.values()))

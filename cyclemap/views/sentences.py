@@ -8,6 +8,7 @@ from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
+from cyclemap.collection.lock_forecast import ORIENTATIONS, LockForecast
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import RestMultiplier, StaircaseSummary
@@ -87,6 +88,22 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     where = f", 95 % of them at {listed(told)}" if told else ""
     of = f"{known.locks} of {known.samples} samples"
     return f"Of what the data on {name} allow, {of} have a stable direction ({how}){where}."
+
+
+def ahead_sentence(forecast: LockForecast | None) -> str:
+    """What the next pushes will bring, of all that is believed; empty where that is not known."""
+    if forecast is None:
+        return ""
+    likely = []
+    for theta, share, within in forecast.directions:
+        if share >= 0.01:
+            place = "any direction" if within > 0.5 * math.pi else f"{angle(theta, 0)} ± {angle(within, 0)}"
+            likely.append(f"{place} ({share:.0%})")
+    where = f", at {listed(likely)}" if likely else ""
+    middle, low, high = forecast.orientations
+    locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
+    seen = f"{middle:.0f} of {ORIENTATIONS} orientations will have been seen ({low:.0f} to {high:.0f})"
+    return f"Of all that is believed, within {forecast.cycles} pushes {locks}; {seen}."
 
 
 def _ends(one: DirectionInterval) -> str:

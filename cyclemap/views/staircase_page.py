@@ -16,7 +16,15 @@ from cyclemap.evidence import MeasuredStaircase
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps
 from cyclemap.views import style
 from cyclemap.views.portrait_page import draw_staircase
-from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, uncertainty_sentence, worn_rests
+from cyclemap.views.sentences import (
+    LONGEST_STAY,
+    ahead_sentence,
+    angle,
+    cycles,
+    number,
+    uncertainty_sentence,
+    worn_rests,
+)
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
 
 
@@ -47,7 +55,7 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
     lengths.set_title("Lengths", pad=22.0)
     name = forecast.loop.material.name
     told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
-    told += [uncertainty_sentence(name, forecast.uncertainty)]
+    told += [uncertainty_sentence(name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
     if measured is not None:
         told += [measured_sentence(measured), fitted_sentence(measured)]
     foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"

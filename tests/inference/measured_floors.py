@@ -248,7 +248,8 @@ def make(target: Path, floor: str) -> None:
         other = load_material("abs-floor")
         begin = replace(begin, plates=other.plates)
     material = fitted(floor, (10, 20), drags=True, most=MOST_MADE, begin=begin, other=other).material
-    words = f"{material.provenance}; made by python -m tests.inference.measured_floors make FOLDER {floor}"
+    words = f"{material.provenance}; domes of sessions held to differ by {DOME_SPREAD:g} kPa"
+    words += f"; made by python -m tests.inference.measured_floors make FOLDER {floor}"
     (target / f"{material.name}.toml").write_text(material_toml(replace(material, provenance=words)))
 
 

@@ -5,6 +5,7 @@ import gzip
 import importlib.util
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -129,6 +130,25 @@ def test_engine_for_browsers_is_made_from_the_sources() -> None:
     kept = gzip.decompress((ROOT / ENGINE / "engine.wasm.gz").read_bytes())
     assert kept.startswith(b"\0asm")
     assert digest_of(ROOT / ENGINE).encode() in kept, "run `python3 run.py wheels browser`"
+
+
+def test_a_library_of_another_system_or_without_a_symbol_goes_into_no_wheel(tmp_path, monkeypatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "building")
+    building = runpy.run_path(str(ROOT / "building" / "other_systems.py"))
+    whole = b"".join(name.encode() for name in building["EXPORTS"])
+    library = tmp_path / "library"
+    for name, system in building["SYSTEMS"].items():
+        library.write_bytes(system.begins + whole)
+        building["check"](name, system, library)
+        library.write_bytes(b"\x7fELF\x02\x02" + whole)
+        with pytest.raises(SystemExit, match="another format"):
+            building["check"](name, system, library)
+        library.write_bytes(system.begins + whole.replace(b"cm_press", b""))
+        with pytest.raises(SystemExit, match="no cm_press"):
+            building["check"](name, system, library)
+    library.write_bytes(building["SYSTEMS"]["linux-x86_64"].begins + whole + b"\0GLIBC_2.28\0")
+    with pytest.raises(SystemExit, match=r"needs glibc 2\.28"):
+        building["check"]("linux-x86_64", building["SYSTEMS"]["linux-x86_64"], library)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system looks by itself whether a library is whole")

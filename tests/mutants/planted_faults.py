@@ -110,7 +110,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("contact.normal + math.pi + push.angle", "contact.normal + math.pi - push.angle"),
             ("push.distance / self.unit - max(travel, 0.0)", "push.distance / self.unit"),
-            ("_STEP_SHARE * self.accuracy", "1e4 * _STEP_SHARE * self.accuracy"),
+            ("STEP_SHARE * self.accuracy", "1e4 * STEP_SHARE * self.accuracy"),
         ],
     ),
     "mechanics/slider.py": (
@@ -187,7 +187,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("bound = abs(value - rough) + rounding", "bound = rounding"),
             ("growth = 1.0 + self._growth", "growth = 1.0"),
             ("correction = defect + once + fine.cycle(resolved)", "correction = defect + once"),
-            ("return found + TWO_PI * remainder", "return found"),
             ("found = 0.5 * correlated + basis.noise.variance", "found = correlated + basis.noise.variance"),
             ("epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))", "0.0 * epsilon"),
         ],
@@ -196,12 +195,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         OPERATOR,
         [
             (
-                "return self._law.density_error + float(np.max(self._law.density_map_error))",
-                "return self._law.density_error",
+                "return self.law.density_error + float(np.max(self.law.density_map_error))",
+                "return self.law.density_error",
             ),
             ("self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI", "self.map.turn(theta), direct=1.0 / TWO_PI"),
             ("abs(self._finer.diffusion() - found) + found.error_bound", "found.error_bound"),
-            ("0.5 * float(np.sum(parts)), min(1.0, known)", "float(np.sum(parts)), min(1.0, known)"),
             ("max(0.0, 1.0 - second), second.error_bound", "max(0.0, second), second.error_bound"),
         ],
     ),
@@ -645,20 +643,22 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
         ],
     ),
-    "resets/design/strategy.py": (
-        DESIGN,
+    "resets/design/strategy_run.py": (
+        "tests/resets/test_strategy_run.py tests/resets",
         [
             (
                 "seeds += [np.random.SeedSequence(seed, spawn_key=(run,)) for run in range(1, runs)]",
                 "seeds += [seed for run in range(1, runs)]",
             ),
-            (
-                "np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM,))",
-                "np.random.SeedSequence(0, spawn_key=(_NOISE_STREAM,))",
-            ),
+            ("np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM,))", "np.random.SeedSequence(0, spawn_key=(1,))"),
             ("+ turns[doing] + kicks[:, number]", "+ kicks[:, number]"),
-            ("blocks = [random.permutation(block) for", "blocks = [block for"),
             ("most = math.floor(count * chance) + 1", "most = math.floor(count * chance)"),
+        ],
+    ),
+    "protocol/strategy.py": (
+        "tests/resets/test_strategy.py tests/protocol",
+        [
+            ("blocks = [random.permutation(block) for", "blocks = [block for"),
             ("often.min() < 0.5:", "often.min() < -1.0:"),
         ],
     ),
@@ -763,8 +763,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("self.worth >= LEAST_WORTH * len(self.theta)", "self.worth >= 0.0 * len(self.theta)"),
         ],
     ),
-    "resets/protocol/schedule_file.py": (
-        "tests/resets/test_schedule_file.py",
+    "protocol/schedule_file.py": (
+        "tests/protocol/test_schedule_file.py",
         [
             ("distance * math.sin(bearing)) > _AGREE_MM:", "distance * math.sin(bearing)) > 1e9 * _AGREE_MM:"),
             ("math.degrees(math.atan2(dy, dx))", "math.degrees(math.atan2(dx, dy))"),

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from cyclemap import CollectionLoop, fixed_points
 from cyclemap.protocol import loop_from_settings
-from cyclemap.sweeps import direction_margins
+from cyclemap.sweeps import change_curve, direction_margins
 
 LOOP = CollectionLoop.mit("plywood")
 
@@ -49,6 +49,20 @@ def test_full_maps_touch_whole_turns_where_the_saddle_node_is_told(margins) -> N
     root = brentq(lambda value: float(map_at("hitch_x_mm", value).turn(near).min()), at - 0.4, at + 0.4, xtol=1e-7)
     # The turn moves by some 0.05 rad a millimetre, so 1e-6 rad is 2e-5 mm.
     assert abs(root - at) < 5e-5
+
+
+@pytest.mark.slow
+def test_a_curve_in_the_plane_of_the_ring_is_where_full_maps_touch_whole_turns(margins) -> None:
+    """In a corner of the plane, since every map of it is run cycle by cycle."""
+    change = margins["hitch_x_mm"].above
+    curve = change_curve(LOOP, "hitch_x_mm", change, "hitch_y_mm", (-6.30, -6.271), (10.606, 10.64))
+    assert curve.kind == "saddle-node" and curve.residual < 1e-8
+    assert np.min(np.hypot(curve.first - 1000 * change.value, curve.second - 1000 * 0.0106066)) < 1e-4
+    for index in (0, -1):
+        ring = {"hitch_x_mm": float(curve.first[index]), "hitch_y_mm": float(curve.second[index])}
+        turned = loop_from_settings(ring, LOOP).circle_map()
+        turn = turned.turn(curve.points[index, 0] + np.linspace(-0.2, 0.2, 2001))
+        assert abs(turn.min()) < 2e-6  # twice what the map is off by
 
 
 def test_what_has_no_range_or_no_value_is_refused() -> None:

@@ -18,7 +18,7 @@ from cyclemap.checks import non_negative_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
-from cyclemap.evidence.push_plan.sensitivity import TARGETS, Beliefs, Target, beliefs, push_sensitivity, target_of
+from cyclemap.evidence.push_plan.sensitivity import TARGETS, Target, beliefs, push_sensitivity, target_of
 from cyclemap.evidence.pushes.planned_table import push_noise
 
 MOST_PUSHES = 32
@@ -100,6 +100,7 @@ def plan_pushes(
 
     Notes
     -----
+    A rod is taken to be set 2 mm off its mark (standard deviation), so that pushes which depend on that tell less.
     No push is planned twice: most of what a model misses of a push it misses again when that is repeated. Errors of
     pushes are taken as independent and alike, of a long push as of a short one.
     """
@@ -113,16 +114,16 @@ def plan_pushes(
     known = beliefs(loop, whole_number("samples", samples, least=2))
     longest = 0.6 * max(room)
     offered = candidate_pushes(loop, whole_number("candidates", candidates, least=number), grid, longest, seed)
-    ends, by = push_sensitivity(known, offered)
+    ends, by, told = push_sensitivity(known, offered, noise)
     report(0.5)
     fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
     kept = [index for index, push in enumerate(fitting) if push is not None]
     if len(kept) < number:
-        told = f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)} pushes"
-        raise InvalidInput(f"{told}: give a larger one, or ask for fewer pushes")
+        words = f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)} pushes"
+        raise InvalidInput(f"{words}: give a larger one, or ask for fewer pushes")
     wanted = target_of(known, target, by, noise)
     report(0.8)
-    design = Design(known, by[:, kept] / noise[:, None], wanted)
+    design = Design(known.covariance, told[:, kept], wanted)
     first = design.greedy(min(max(number, *COUNTS), len(kept)))
     chosen = design.ordered(design.exchanged(first[:number]))
     rng = np.random.default_rng(seed)
@@ -156,12 +157,13 @@ def plan_pushes(
 class Design:
     """Sets of candidates, by number, and what is known after them.
 
-    derivatives (s, n, 4, k) : of what is measured of the n candidates, over its noise, in each sample.
+    believed (k, k) : covariance of the unknowns beforehand. derivatives (s, n, m, k) : of the m numbers measured of
+    each of the n candidates, over their noise, in each sample.
     """
 
-    def __init__(self, known: Beliefs, derivatives: Array, target: Target) -> None:
+    def __init__(self, believed: Array, derivatives: Array, target: Target) -> None:
         # In units of what is believed, so that what is known beforehand costs no digits.
-        values, vectors = np.linalg.eigh(known.covariance)
+        values, vectors = np.linalg.eigh(believed)
         seen = values > 1e-12 * values.max()
         root = vectors[:, seen] * np.sqrt(values[seen])
         self.rows, self.gradient, self.target = derivatives @ root, target.gradient @ root, target

@@ -36,6 +36,8 @@ UNKNOWNS = CYCLE_UNKNOWNS
 _NODES, _FINE, _ANGLES = 33, 720, 36
 # Nothing is known worse than of a direction that may be any, rad.
 ANY_DIRECTION = math.pi / math.sqrt(3.0)
+# How far off its mark a rod is set, m.
+SET_OFF = 2e-3
 # Pushes of which the prediction of any is asked.
 _ASKED = 60
 
@@ -69,25 +71,39 @@ def beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
     return Beliefs(loop, tuple(every[index] for index in chosen.tolist()), covariance)
 
 
-def push_sensitivity(known: Beliefs, pushes: Sequence[SetPush]) -> tuple[Array, Array]:
-    """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by UNKNOWNS.
+def push_sensitivity(known: Beliefs, pushes: Sequence[SetPush], noise: Array) -> tuple[Array, Array, Array]:
+    """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by UNKNOWNS, twice.
 
     Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the ring to where the
-    ring was before the push, rad: derivatives (s, n, 4, k).
+    ring was before the push, rad. noise (4,) : of these. The derivatives (s, n, 4, k) are over it; then over it and
+    what a rod adds that is set a little off its mark: a push that depends on that tells less.
     """
     slider, radius = known.loop.slider, known.loop.pusher.radius
     starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
     block = push_end_block([push.measured(slider, radius) for push in pushes], slider)
-    ends, derivatives = [], []
+    ends, plain, derivatives = [], [], []
     for values in known.values:
         residual, jacobian = block.residuals({**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0})
         ends.append(starts + residual.reshape(-1, 3))
-        derivatives.append(_by_unknowns(block, jacobian, len(pushes)))
+        shifted = jacobian.reshape(len(pushes), 3, -1)[..., -2:]
+        by = _by_unknowns(block, jacobian, len(pushes))
+        plain.append(by / noise[:3, None])
+        derivatives.append(over_noise(by, shifted, noise[:3]))
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
-    turns = [_by_unknowns(back, back.residuals(values)[1], len(pushes)) for values in known.values]
-    return np.array(ends), np.concatenate([derivatives, turns], axis=2)
+    turns = [_by_unknowns(back, back.residuals(values)[1], len(pushes)) / noise[3] for values in known.values]
+    first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
+    return np.array(ends), first, second
+
+
+def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
+    """Return derivatives by (n, 3, k) of pushes over their noise (3,) and that of where the rod is set.
+
+    by_rod (n, 3, 2) : derivatives by the place of the rod.
+    """
+    covariance = np.diag(noise**2) + SET_OFF**2 * by_rod @ by_rod.swapaxes(-1, -2)
+    return np.asarray(np.linalg.solve(np.linalg.cholesky(covariance), by))
 
 
 def _by_unknowns(block: DataBlock, jacobian: Array, count: int) -> Array:
@@ -116,7 +132,7 @@ class Target:
 def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
     """Return what is asked for: the stable directions and whether there are any, the whole map, or single pushes.
 
-    by (s, n, 4, k) : derivatives of pushes and drags. noise (4,) : of these, m and rad.
+    by (s, n, 4, k) : derivatives of pushes and drags over their noise (4,), m and rad.
     """
     if name == "direction":
         return _direction(known)
@@ -126,7 +142,7 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
         return Target(gradient, _mean_loss, lambda variance: {"map": math.sqrt(float(variance.mean()))})
     samples, count, _, unknowns = by.shape
     chosen = np.unique(np.linspace(0, count - 1, _ASKED).round().astype(int))
-    gradient = (by[:, chosen, :3] / noise[:3, None]).reshape(samples, -1, unknowns)
+    gradient = by[:, chosen, :3].reshape(samples, -1, unknowns)
 
     def words(variance: Array) -> dict[str, float]:
         along, across, turn = np.sqrt(variance.reshape(samples, -1, 3).mean(axis=(0, 1))) * noise[:3]

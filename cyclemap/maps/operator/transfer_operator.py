@@ -125,7 +125,7 @@ class TransferOperator:
     def error_bound(self) -> float:
         """Bound on the error of the stationary density, per radian, anywhere on the circle.
 
-        With uniform noise the map's ``max_error`` is left out: where the law has steps they move with the map.
+        inf without noise: the density may jump then, and only its integrals have bounds.
         """
         return self.law.density_error + float(np.max(self.law.density_map_error))
 

@@ -181,8 +181,10 @@ static void add_panels(Cones *c, const Sweep *sweep, double axis, int zero_count
         return;
     }
     Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
-    if (c->f->toward) move_panel(c, sweep, &panel);
-    else add_panel(c, sweep, &panel);
+    if (c->f->toward)
+        move_panel(c, sweep, &panel);
+    else
+        add_panel(c, sweep, &panel);
 }
 
 static void add_arc_of(Cones *c, const Arc *arc) {
@@ -285,21 +287,28 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
                         double *friction) {
     const double *middle = pressure->middle;
     const double about[] = {[VX] = twist[VX] - twist[OMEGA] * middle[Y],
-                            [VY] = twist[VY] + twist[OMEGA] * middle[X], [OMEGA] = twist[OMEGA]};
+                            [VY] = twist[VY] + twist[OMEGA] * middle[X],
+                            [OMEGA] = twist[OMEGA]};
     Friction f;
     begin_sums(&f, about, m, toward, 0);
     Cones c;
     begin_cones(&c, &f, quadratic, is_far, at->digits);
-    if (!is_far && !toward) add_pressed_sides(&c, at);
+    if (!is_far && !toward)
+        add_pressed_sides(&c, at);
     else
         for (int i = 0; i < at->side_count; ++i) {
-            if (is_far) add_far_side(&c, at->sides[i]);
-            else move_pressed_side(&c, at->sides[i]);
+            if (is_far)
+                add_far_side(&c, at->sides[i]);
+            else
+                move_pressed_side(&c, at->sides[i]);
         }
     for (int i = 0; i < at->arc_count; ++i) add_arc_of(&c, at->arcs + i);
-    if (is_far && toward) memcpy(f.friction, c.moved, sizeof c.moved);
-    else if (is_far) add_sums(&f, &c.frame, &c.places, 1.0);
-    else if (toward) add(f.sums, c.moved, 1.0, WRENCH);
+    if (is_far && toward)
+        memcpy(f.friction, c.moved, sizeof c.moved);
+    else if (is_far)
+        add_sums(&f, &c.frame, &c.places, 1.0);
+    else if (toward)
+        add(f.sums, c.moved, 1.0, WRENCH);
     else {
         double sums[SUM_SIZE];
         for (int k = 0; k < SUM_SIZE; ++k) sums[k] = total(c.sums + k);

@@ -16,11 +16,11 @@ typedef struct Record Record;
 typedef struct {
     const Object *object;
     double direction, friction, longest;
-    int is_ambiguous;    /* whether another motion, too, would have gone on from a concave corner */
-    int is_wedged;       /* whether the rod has been in a concave corner */
-    int64_t pinned;      /* the support point that the object last turned about */
+    int is_ambiguous; /* whether another motion, too, would have gone on from a concave corner */
+    int is_wedged;    /* whether the rod has been in a concave corner */
+    int64_t pinned;   /* the support point that the object last turned about */
     int64_t steps;
-    int is_far;          /* regime of the pressure's sums */
+    int is_far; /* regime of the pressure's sums */
     const volatile int64_t *stop;
     struct Variation *varied; /* null where no derivatives are wanted */
     Pressed *pressed;         /* the contact of a foundation, at the last orientation */
@@ -84,7 +84,9 @@ static Motion motion_of(const Stroke *r, int mode, int piece, double spin, doubl
     return m;
 }
 
-typedef struct { double twist[TWIST_SIZE], matrix[MATRIX_SIZE], frame[FRAME_SIZE]; } Begun;
+typedef struct {
+    double twist[TWIST_SIZE], matrix[MATRIX_SIZE], frame[FRAME_SIZE];
+} Begun;
 
 static void begin(const Stroke *r, const Motion *m, const double *state, const double *z,
                   Begun *b) {
@@ -114,7 +116,8 @@ static void friction_varies(const Stroke *r, const Begun *b, int all, const doub
         if (all)
             friction_by_shapes(pressure, r->pressed, b->twist, b->matrix, r->is_far,
                                by_pressure + WRENCH * SHARES);
-    } else if (all) friction_by_shares(pressure, b->twist, b->matrix, r->is_far, apart, by_pressure);
+    } else if (all)
+        friction_by_shares(pressure, b->twist, b->matrix, r->is_far, apart, by_pressure);
 }
 
 static void finish(const Motion *m, const Begun *b, const double *z, const double *wrench,
@@ -142,12 +145,15 @@ static double iterate(Stroke *r, const Motion *m, const double *state, const dou
     begin(r, m, state, z, &b);
     friction_on(r, state, &b, &r->is_far, 0, friction);
     finish(m, &b, z, friction, row, report);
-    memcpy(row, state, STATE_SIZE * sizeof(double));
+    /* the state may be the row's own */
+    memmove(row, state, STATE_SIZE * sizeof(double));
     return fabs(report[RESIDUAL]);
 }
 
 /* The force of the rod: its compression, and its part along the tangent. */
-typedef struct { double normal, tangential; } Force;
+typedef struct {
+    double normal, tangential;
+} Force;
 
 static Force force_of(const double *report) {
     return (Force){report[NORMAL_FORCE], report[TANGENTIAL_FORCE]};
@@ -174,7 +180,7 @@ static void settle_with(const Stroke *r, const Motion *m, const double *state, F
         [WW] = 1.0,
     };
     finish(m, &b, m->z, friction, row, report);
-    memcpy(row, state, STATE_SIZE * sizeof(double));
+    memmove(row, state, STATE_SIZE * sizeof(double));
     memcpy(row + UNKNOWN, m->z, sizeof m->z);
     report[CORRECTION] = report[RESIDUAL] = 0.0;
     report[NORMAL_FORCE] = force.normal;
@@ -278,7 +284,8 @@ static const double *support(const Stroke *r, int64_t index) {
 }
 
 /* Slip about one support point: spin and slip in z, the force, and the friction that holds the
-   point: of its image, as a share of its load. Returns what share is left, -inf where none would do. */
+   point: of its image, as a share of its load. Returns what share is left, -inf where none would
+   do. */
 static double slips_about(const Stroke *r, const Motion *m, const double *state, int64_t index,
                           double *z, Force *force, double *holding) {
     const double *row = support(r, index), *pin = row + ROW_GEOMETRY, smu = m->p[SMU];

@@ -1,13 +1,16 @@
 /* Pushes and drags in the world, and whole cycles: a push, and the drag back by the ring; with
    their derivatives. Lengths in extents. */
 
-/* Where a floor's shape that varies with the place is taken: this share of a push's way ahead, since
-   the object goes about half as far as the rod; of a leg of a drag in its middle. */
+/* Where a floor's shape that varies with the place is taken: this share of a push's way ahead,
+   since the object goes about half as far as the rod; of a leg of a drag in its middle. */
 static const double PUSH_SHARE = 0.25;
 
 /* An object on its way: place of its origin, orientation, and how both vary, by columns. */
 enum { POSE_X, POSE_Y, POSE_THETA, POSE };
-typedef struct { double place[2], theta, by[POSE * MOST_VARIED]; int count; } Body;
+typedef struct {
+    double place[2], theta, by[POSE * MOST_VARIED];
+    int count;
+} Body;
 
 static void turned(double angle, const double *vector, double *result) {
     double c = cos(angle), s = sin(angle);
@@ -33,11 +36,11 @@ static void set_sources(const Loop *loop, Variation *v) {
 }
 
 /* A floor's shape that varies with the place varies as the place does. */
-static void move_floor(const Ground *ground, const double *by_place, Variation *v, int k) {
-    if (!varies(&ground->object)) return;
+static void move_floor(const Standing *standing, const double *by_place, Variation *v, int k) {
+    if (!varies(&standing->object)) return;
     for (int s = 0; s < SHAPE_SIZE; ++s)
         v->source[SOURCE_FLOOR_DOME + s][k] +=
-            ground->by[s][X] * by_place[X] + ground->by[s][Y] * by_place[Y];
+            standing->by[s][X] * by_place[X] + standing->by[s][Y] * by_place[Y];
 }
 
 /* The rod's centre seen from the object's origin, in the world's axes; by the state and by the
@@ -73,17 +76,17 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
 /* The push: moves the object, writes its part of the result; LEFT, DISTANCE, or why not. */
 static int push_object(const Loop *loop, Body *body, double *result, const volatile int64_t *stop,
                        Record *record) {
-    Ground ground;
+    Standing standing;
     double centre[2], place[2], direction = loop->direction;
     if (loop->with_object) direction += body->theta;
     turned(body->theta, loop->object.pressure.middle, centre);
     const double ahead[] = {cos(direction), sin(direction)};
     for (int c = 0; c < 2; ++c)
         place[c] = body->place[c] + centre[c] + PUSH_SHARE * loop->length * ahead[c];
-    if (!stand(&loop->object, place, &ground)) return UNSOLVED;
+    if (!stand(&loop->object, place, &standing)) return UNSOLVED;
     Stroke r = {
-        .object = &ground.object,
-        .pressed = &ground.pressed,
+        .object = &standing.object,
+        .pressed = &standing.pressed,
         .direction = direction,
         .friction = loop->rod_friction,
         .longest = record ? record->longest : INFINITY,
@@ -109,7 +112,7 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
             now[THETA] = by[POSE_THETA];
             now[COORDINATE] = along;
             v.source[SOURCE_DIRECTION][k] = (loop->with_object ? by[POSE_THETA] : 0.0)
-                + one(loop, k, BY_ANGLE, 1) + turning * along;
+                                            + one(loop, k, BY_ANGLE, 1) + turning * along;
             v.source[SOURCE_RADIUS][k] = wider;
             v.source[SOURCE_SMU][k] = one(loop, k, BY_PUSHER_FRICTION, 0);
             double farther = PUSH_SHARE * one(loop, k, BY_DISTANCE, 1);
@@ -120,10 +123,10 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
                 by[POSE_X] - centre[Y] * by[POSE_THETA] + farther * ahead[X] - aside * ahead[Y],
                 by[POSE_Y] + centre[X] * by[POSE_THETA] + farther * ahead[Y] + aside * ahead[X],
             };
-            move_floor(&ground, moved, &v, k);
+            move_floor(&standing, moved, &v, k);
             for (int c = 0; c < 2; ++c)
                 by_before[k][c] = by_theta[c] * now[THETA] + by_coordinate[c] * now[COORDINATE]
-                    + by_radius[c] * wider;
+                                  + by_radius[c] * wider;
         }
     }
     Step last = {0};
@@ -137,8 +140,8 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
     const double *slope = last.rows[STAGES] + SLOPE;
     double turning = v.count ? normal_slope(&r, &m, state[COORDINATE]) : 0.0;
     double rate = slope[THETA] + turning * slope[COORDINATE];
-    int at_corner = ended == LEFT && loop->object.radius == 0.0
-        && last.rows[STAGES][MARGIN + APPROACH] > 1e-6;
+    int at_corner =
+        ended == LEFT && loop->object.radius == 0.0 && last.rows[STAGES][MARGIN + APPROACH] > 1e-6;
     double later[MOST_VARIED];
     if (v.count && at_corner && delays(&r, &m, last.rows[STAGES], later) < 0) return UNSOLVED;
     for (int k = 0; k < v.count; ++k) {
@@ -194,14 +197,14 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
         if (goes <= NO_LEG) continue;
         const double toward[] = {dx / goes, dy / goes};
         double state[] = {body->theta, 0.0}, travel = 0.0;
-        Ground ground;
+        Standing standing;
         double centre[2], place[2];
         turned(body->theta, own, centre);
         for (int c = 0; c < 2; ++c) place[c] = 0.5 * (ring[c] + goal[c]) + centre[c];
-        if (!stand(o, place, &ground)) return UNSOLVED;
+        if (!stand(o, place, &standing)) return UNSOLVED;
         Stroke r = {
-            .object = &ground.object,
-            .pressed = &ground.pressed,
+            .object = &standing.object,
+            .pressed = &standing.pressed,
             .direction = atan2(dy, dx),
             .friction = loop->pin_friction,
             .longest = record ? record->longest : INFINITY,
@@ -233,7 +236,7 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
                     0.5 * by_ring[k][X] - centre[Y] * turn - across[X],
                     0.5 * by_ring[k][Y] + centre[X] * turn - across[Y],
                 };
-                move_floor(&ground, shifted, &v, k);
+                move_floor(&standing, shifted, &v, k);
             }
         }
         Motion m = motion_of(&r, RING, (int)o->piece_count, 0.0, 0.0);

@@ -67,7 +67,9 @@ static int rule_for(const double *reach, double first, double complex second, do
 
 /* Derivative of the wrench as M moves, of chords of a pressure f0 + tau f1, |tau| <= q, from their
    middles p along e; u: the one direction in which a chord moves. */
-typedef struct { Lanes ux, uy, mx, my, ex, ey, level, rise, first, second, by_speed, half; } Chords;
+typedef struct {
+    Lanes ux, uy, mx, my, ex, ey, level, rise, first, second, by_speed, half;
+} Chords;
 
 static void move_chords(Friction *f, const Chords *c, double load) {
     for (int k = 0; k < LANES; ++k) {
@@ -76,10 +78,17 @@ static void move_chords(Friction *f, const Chords *c, double load) {
         double cube = 2.0 / 3.0 * q * q * q;
         /* int (first + second tau) (f0 + f1 tau) (1, tau), and int (f0 + f1 tau) (1, tau, tau^2)
            by_speed */
-        const double given[] = {c->ux[k], c->uy[k], c->mx[k], c->my[k], c->ex[k], c->ey[k],
+        const double given[] = {c->ux[k],
+                                c->uy[k],
+                                c->mx[k],
+                                c->my[k],
+                                c->ex[k],
+                                c->ey[k],
                                 two * first * f0 + cube * second * f1,
                                 cube * (first * f1 + second * f0),
-                                two * f0 * by_speed, cube * f1 * by_speed, cube * f0 * by_speed};
+                                two * f0 * by_speed,
+                                cube * f1 * by_speed,
+                                cube * f0 * by_speed};
         double found[WRENCH], *results[] = {found};
         const double *all[] = {f->twist, f->matrix, given, f->toward};
         chord_toward(all, results, 0, 0, 0);
@@ -135,8 +144,8 @@ static ALWAYS_INLINE void add_chords(Friction *f, const Ellipse *e, int far, int
     Lanes f0 = e->level + e->slope[X] * px + e->slope[Y] * py;
     Lanes f1 = e->slope[X] * e->semi[X] * ex + e->slope[Y] * e->semi[Y] * ey;
     if (f->toward) {
-        const Chords of = {ux, uy, px, py, e->semi[X] * ex, e->semi[Y] * ey, f0, f1, first, second,
-                           by_speed, q};
+        const Chords of = {ux, uy, px,    py,     e->semi[X] * ex, e->semi[Y] * ey,
+                           f0, f1, first, second, by_speed,        q};
         move_chords(f, &of, load);
         return;
     }
@@ -230,10 +239,14 @@ static void add_patch(Friction *f, const double *geometry, double load) {
     double complex slow = slowest(&e);
     int rule = rule_for(PATCH_REACH, 1.0 / (size * size), slow, &beta);
     if (rule < RULE_COUNT) {
-        if (e.far && e.level == 1.0) add_rule(f, &e, 1, 0, rule, beta, load, &sums);
-        else if (e.far) add_rule(f, &e, 1, 1, rule, beta, load, &sums);
-        else if (e.level == 1.0) add_rule(f, &e, 0, 0, rule, beta, load, &sums);
-        else add_rule(f, &e, 0, 1, rule, beta, load, &sums);
+        if (e.far && e.level == 1.0)
+            add_rule(f, &e, 1, 0, rule, beta, load, &sums);
+        else if (e.far)
+            add_rule(f, &e, 1, 1, rule, beta, load, &sums);
+        else if (e.level == 1.0)
+            add_rule(f, &e, 0, 0, rule, beta, load, &sums);
+        else
+            add_rule(f, &e, 0, 1, rule, beta, load, &sums);
     } else {
         double complex t = casin(csqrt(slow)), near = fabs(creal(t)) + I * fabs(cimag(t));
         const double complex at[] = {M_PI / 2.0 + I * acosh(1.0 / size), near, M_PI - conj(near),
@@ -280,7 +293,9 @@ static double complex quotient(double complex a, double complex b) {
 }
 
 /* Jacobi's sn, cn, dn. */
-typedef struct { double s, c, d; } Jacobi;
+typedef struct {
+    double s, c, d;
+} Jacobi;
 
 /* Those of a sum of arguments: 1 - k^2 s^2 t^2 as a sum of squares. */
 static Jacobi jacobi_sum(Jacobi u, Jacobi v, double square) {
@@ -411,8 +426,10 @@ static void add_rim(Friction *f, const double *geometry, double load) {
             Lanes place_x = cx * x - sx * y, place_y = sx * x + cx * y;
             Lanes share = whole * dense * part;
             add_rim_places(f, &e, &place_x, &place_y, &share, load, &sums);
-            if (image % 2) far = -far;
-            else aside = -aside;
+            if (image % 2)
+                far = -far;
+            else
+                aside = -aside;
         }
     }
     if (!f->toward) add_sums(f, &e.frame, &sums, load);

@@ -40,10 +40,14 @@ static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
    meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
    axis: the larger half axis of Bernstein's ellipse, about -1 to 1, in which it is analytic in
    2 s - 1. */
-typedef struct { double a[2], b[2], c[2], weight, axis; } Arc;
+typedef struct {
+    double a[2], b[2], c[2], weight, axis;
+} Arc;
 
 /* Places on the boundary, and the areas, twice, that cones to them sweep. */
-typedef struct { Lanes x, y, cross; } Boundary;
+typedef struct {
+    Lanes x, y, cross;
+} Boundary;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
    the contact on the left. */
@@ -116,8 +120,14 @@ static int is_inside(const Pressure *pressure, double x, double y) {
    which P turns negative (the boundary goes on along the conic) or positive (it comes from there),
    or inside of it. */
 enum { IS_INNER, IS_START, IS_END };
-typedef struct { double u, v, at[2]; int kind; } Place;
-typedef struct { int count; Place of[MOST_PLACES]; } Places;
+typedef struct {
+    double u, v, at[2];
+    int kind;
+} Place;
+typedef struct {
+    int count;
+    Place of[MOST_PLACES];
+} Places;
 
 static void note(Places *places, double x, double y, int kind) {
     if (places->count < MOST_PLACES) {
@@ -173,7 +183,9 @@ static void cut_side(Pressed *at, const double *a, const double *b, double first
 }
 
 /* P along an ellipse's rim, (x, y) on the unit circle, and how it changes with the angle. */
-typedef struct { double level, slope[2], xx, xy, yy; } Around;
+typedef struct {
+    double level, slope[2], xx, xy, yy;
+} Around;
 
 static Around around_of(const double *p, const double *semi) {
     double a = semi[X], b = semi[Y];
@@ -285,7 +297,9 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
 static ALWAYS_INLINE Lanes all(double x) { return (Lanes){0.0} + x; }
 
 /* An arc as it is summed: its ends and middle, and by its cross products how it sweeps areas. */
-typedef struct { Lanes weight, x[3], y[3], areas[3]; } Sweep;
+typedef struct {
+    Lanes weight, x[3], y[3], areas[3];
+} Sweep;
 
 static ALWAYS_INLINE Sweep sweep_of(double weight, const double *a, const double *c,
                                     const double *b) {
@@ -380,7 +394,9 @@ static void sort_places(Places *places) {
 
 /* The conic in a frame of its own: P = a u^2 + b u + d v^2 + e v + c, |a| >= |d|, so that u is a
    root along v. */
-typedef struct { double cosine, sine, a, b, c, d, e; } Conic;
+typedef struct {
+    double cosine, sine, a, b, c, d, e;
+} Conic;
 
 static Conic conic_of(const double *p) {
     double half = 0.5 * (p[Q_XX] - p[Q_YY]), mean = 0.5 * (p[Q_XX] + p[Q_YY]);
@@ -530,7 +546,10 @@ static int arc_rule(double axis, int digits) {
 
 /* A panel of an arc, its middle and half its length in 2 s - 1, and one of Gauss's rules for
    it. */
-typedef struct { double middle, half; int rule; } Panel;
+typedef struct {
+    double middle, half;
+    int rule;
+} Panel;
 
 /* LANES places on it from the rule's node j on. */
 static ALWAYS_INLINE void panel_at(const Sweep *sweep, const Panel *panel, int j, Boundary *at) {
@@ -580,9 +599,9 @@ static void take_moments(Pressed *at) {
 static void loads_of(const double *m, const double *p, double *to) {
     /* of each monomial, those of it times 1, x and y */
     static const int of[QUADRATIC_SIZE][BALANCE_SIZE] = {
-        [Q_LEVEL] = {OF_1, OF_X, OF_Y},      [Q_SLOPE_X] = {OF_X, OF_XX, OF_XY},
-        [Q_SLOPE_Y] = {OF_Y, OF_XY, OF_YY},  [Q_XX] = {OF_XX, OF_XXX, OF_XXY},
-        [Q_XY] = {OF_XY, OF_XXY, OF_XYY},    [Q_YY] = {OF_YY, OF_XYY, OF_YYY},
+        [Q_LEVEL] = {OF_1, OF_X, OF_Y},     [Q_SLOPE_X] = {OF_X, OF_XX, OF_XY},
+        [Q_SLOPE_Y] = {OF_Y, OF_XY, OF_YY}, [Q_XX] = {OF_XX, OF_XXX, OF_XXY},
+        [Q_XY] = {OF_XY, OF_XXY, OF_XYY},   [Q_YY] = {OF_YY, OF_XYY, OF_YYY},
     };
     for (int k = 0; k < BALANCE_SIZE; ++k) {
         to[k] = p[Q_XY] * m[of[Q_XY][k]];
@@ -754,7 +773,7 @@ static void floor_at(const Pressure *pressure, const double *place, double *shap
     for (int k = 0; k < SHAPE_SIZE; ++k) {
         const double *f = pressure->field + FIELD_SIZE * k;
         shape[k] = pressure->floor[k] + x * (f[FIELD_X] + f[FIELD_XX] * x + f[FIELD_XY] * y)
-            + y * (f[FIELD_Y] + f[FIELD_YY] * y);
+                   + y * (f[FIELD_Y] + f[FIELD_YY] * y);
         double along_x = f[FIELD_X] + 2.0 * f[FIELD_XX] * x + f[FIELD_XY] * y;
         double along_y = f[FIELD_Y] + f[FIELD_XY] * x + 2.0 * f[FIELD_YY] * y;
         double outward = share < 1.0 ? (along_x * x + along_y * y) / (x * x + y * y) : 0.0;
@@ -773,20 +792,20 @@ typedef struct {
     Object object;
     Pressed pressed;
     double by[SHAPE_SIZE][2], table[MOST_STROKE_ROWS * BALANCE_COLUMNS];
-} Ground;
+} Standing;
 
 static int varies(const Object *object) { return object->pressure.field_reach > 0.0; }
 
 /* Whether the load could be balanced there. */
-static int stand(const Object *object, const double *place, Ground *ground) {
-    ground->object = *object;
-    begin_pressed(&ground->pressed, object->tolerance);
+static int stand(const Object *object, const double *place, Standing *standing) {
+    standing->object = *object;
+    begin_pressed(&standing->pressed, object->tolerance);
     if (!varies(object)) return 1;
-    Pressure *pressure = &ground->object.pressure;
-    floor_at(&object->pressure, place, pressure->floor, ground->by);
-    pressure->table = ground->table;
-    pressure->table_count = STROKE_ROWS[ground->pressed.digits];
-    return cm_balance(pressure, ground->table) == pressure->table_count;
+    Pressure *pressure = &standing->object.pressure;
+    floor_at(&object->pressure, place, pressure->floor, standing->by);
+    pressure->table = standing->table;
+    pressure->table_count = STROKE_ROWS[standing->pressed.digits];
+    return cm_balance(pressure, standing->table) == pressure->table_count;
 }
 
 /* For drawings and tests: the pressure at an orientation. */

@@ -26,7 +26,10 @@ static const double OVERSHOOT = 1.2;
 enum { NOTHING = -100, MOST_STEPS = 20000 };
 
 /* Where a stroke is written down, as long as there is room. */
-struct Record { int64_t count, room; double *rows, longest, stroke, travelled, start[2]; };
+struct Record {
+    int64_t count, room;
+    double *rows, longest, stroke, travelled, start[2];
+};
 
 /* The margin that is least, in slacks. */
 static int least(const double *row, const double *slack, double *value) {
@@ -125,7 +128,8 @@ static int land(Stroke *r, Motion *m, const double *start, const double *slack, 
             if (has_kept) *taken = kept;
             return broken;
         }
-        if (margin < 0.0) high = h;
+        if (margin < 0.0)
+            high = h;
         else {
             low = h;
             kept = tried;

@@ -9,7 +9,7 @@ enum { WRENCH = XX };
 typedef struct {
     const double *twist, *matrix, *toward;
     const double *apart; /* the row of a support point that is left out, or null */
-    double scale; /* of patches: the area over the image's */
+    double scale;        /* of patches: the area over the image's */
     double sums[6], friction[FRICTION_SIZE];
     int is_summed;
 } Friction;
@@ -57,9 +57,12 @@ static void add_sides(Friction *f, const double *rows, int64_t count, double loa
             const double *at = row + i * ROW_COLUMNS, *more = at + ROW_GEOMETRY + LEAN_SLOPE_X;
             const double *edge_given[] = {f->matrix, sides[i], angles + i};
             const double *given[] = {f->twist, f->matrix, images[i], more};
-            if (kind == EDGE) edge(edge_given, results, 0, 0, 0);
-            else if (kind == LEAN) lean(given, results, 0, 0, 0);
-            else line(given, results, 0, 0, 0);
+            if (kind == EDGE)
+                edge(edge_given, results, 0, 0, 0);
+            else if (kind == LEAN)
+                lean(given, results, 0, 0, 0);
+            else
+                line(given, results, 0, 0, 0);
             add(f->sums, found, factor * at[ROW_LOAD], 6);
         }
     }
@@ -71,9 +74,12 @@ static void move_side(Friction *f, const double *row, double load) {
     const double *lean_given[] = {f->twist, f->matrix, ends, lean, f->toward};
     const double *given[] = {f->twist, f->matrix, ends, f->toward};
     int kind = (int)row[ROW_KIND];
-    if (kind == EDGE) edge_toward(given, results, 0, 0, 0);
-    else if (kind == LEAN) lean_toward(lean_given, results, 0, 0, 0);
-    else line_toward(given, results, 0, 0, 0);
+    if (kind == EDGE)
+        edge_toward(given, results, 0, 0, 0);
+    else if (kind == LEAN)
+        lean_toward(lean_given, results, 0, 0, 0);
+    else
+        line_toward(given, results, 0, 0, 0);
     add(f->sums, found, load, WRENCH);
     f->is_summed = 1;
 }
@@ -88,18 +94,24 @@ static inline double total(const Lanes *x) {
 static inline double size_of(double x, double y) { return sqrt(x * x + y * y); }
 
 /* Places in coordinates x of their own, from a point `at` on: w = middle + omega spin x. */
-typedef struct { double at[2], omega, middle[2], spin[MATRIX_SIZE]; } Frame;
+typedef struct {
+    double at[2], omega, middle[2], spin[MATRIX_SIZE];
+} Frame;
 
 static Frame frame_of(const Friction *f, double at_x, double at_y, double unit_x, double unit_y) {
     const double *v = f->twist, *m = f->matrix;
     double x = v[VX] - v[OMEGA] * at_y, y = v[VY] + v[OMEGA] * at_x;
-    return (Frame){{at_x, at_y}, v[OMEGA], {m[M_XX] * x + m[M_XY] * y, m[M_YX] * x + m[M_YY] * y},
+    return (Frame){{at_x, at_y},
+                   v[OMEGA],
+                   {m[M_XX] * x + m[M_XY] * y, m[M_YX] * x + m[M_YY] * y},
                    {m[M_XY] * unit_x, m[M_YY] * unit_x, -m[M_XX] * unit_y, -m[M_YX] * unit_y}};
 }
 
 /* Wrench and Hessian about `at`, as sums over w = |w| u, n across u: of u, u . spin x; of n n^T /
    |w|, n (n . spin x) / |w|, (n . spin x)^2 / |w|. */
-typedef struct { Lanes of[FRICTION_SIZE]; } Sums;
+typedef struct {
+    Lanes of[FRICTION_SIZE];
+} Sums;
 
 static void add_sums(Friction *f, const Frame *e, const Sums *sums, double load) {
     const double *m = f->matrix, x = e->at[X], y = e->at[Y];
@@ -188,8 +200,10 @@ static ALWAYS_INLINE void sum_points(const Frame *frame, const double *rows, int
         const double *at_next = next + place;
         Lanes x = {at[X], at_next[X]}, y = {at[Y], at_next[Y]};
         Lanes part = {rows[share], is_pair ? next[share] : 0.0};
-        if (is_near) add_moving(frame, &x, &y, &part, sums);
-        else add_places(frame, &x, &y, &part, sums);
+        if (is_near)
+            add_moving(frame, &x, &y, &part, sums);
+        else
+            add_places(frame, &x, &y, &part, sums);
     }
 }
 
@@ -254,14 +268,17 @@ static void add_part(Friction *f, const Pressure *pressure, int part, int is_far
         const double *row = rows + ROW_COLUMNS * i, *geometry = row + ROW_GEOMETRY;
         int kind = (int)row[ROW_KIND];
         double share = load * row[ROW_LOAD];
-        if (kind == CHORD) add_patch(f, geometry, share);
-        else if (kind == ARC) add_rim(f, geometry, share);
-        else move_side(f, row, share);
+        if (kind == CHORD)
+            add_patch(f, geometry, share);
+        else if (kind == ARC)
+            add_rim(f, geometry, share);
+        else
+            move_side(f, row, share);
     }
 }
 
-static void begin_sums(Friction *f, const double *twist, const double *matrix,
-                       const double *toward, const double *apart) {
+static void begin_sums(Friction *f, const double *twist, const double *matrix, const double *toward,
+                       const double *apart) {
     f->twist = twist;
     f->matrix = matrix;
     f->toward = toward;
@@ -314,7 +331,8 @@ static void friction_by_shares(const Pressure *pressure, const double *twist, co
         add_part(&f, pressure, part, is_far, 1.0);
         if (balance >= 0) add_part(&f, pressure, balance, is_far, 1.0);
         end_sums(&f);
-        if (part == EVEN) memcpy(even, f.friction, sizeof even);
+        if (part == EVEN)
+            memcpy(even, f.friction, sizeof even);
         else
             for (int k = 0; k < WRENCH; ++k) by[WRENCH * share + k] = f.friction[k] - even[k];
     }

@@ -48,7 +48,9 @@ static Watched watched_at(const Stroke *r, const Motion *m, const double *state,
 
 /* The line of w under a contact that sticks: its direction b, how far w goes along it by the spin,
    and where it is without: away from zero, and along. */
-typedef struct { double b[2], rate, away, along; } Line;
+typedef struct {
+    double b[2], rate, away, along;
+} Line;
 
 static Line line_of(const Watched *w) {
     Line l = {.rate = hypot(w->by[SPIN][X], w->by[SPIN][Y])};
@@ -111,8 +113,8 @@ static void balance_at(const Motion *m, const double *f, const double *g, double
                        double by[UNKNOWN_SIZE][WRENCH]) {
     double smu = m->p[SMU], size = hypot(g[FORCE_X], g[FORCE_Y]);
     double turn = law_of(m) == LAW_TURN && size > 0.0 ? smu / size : 0.0;
-    const double torque[WRENCH] = {f[FRAME_Y] + turn * g[FORCE_X],
-                                   turn * g[FORCE_Y] - f[FRAME_X], 1.0};
+    const double torque[WRENCH] = {f[FRAME_Y] + turn * g[FORCE_X], turn * g[FORCE_Y] - f[FRAME_X],
+                                   1.0};
     const double across[WRENCH] = {smu * f[FRAME_COSINE] - f[FRAME_SINE],
                                    smu * f[FRAME_SINE] + f[FRAME_COSINE], 0.0};
     memcpy(by[0], torque, sizeof torque);
@@ -204,7 +206,7 @@ static double iterate_watched(Stroke *r, const Motion *m, const double *state, c
     double friction[FRICTION_SIZE] = {[XX] = 1.0, [YY] = 1.0, [WW] = 1.0};
     for (int k = 0; k < WRENCH; ++k) friction[k] = g[k] - b.frame[FRAME_FORCE_X + k];
     finish(m, &b, corrected.z, friction, row, report);
-    memcpy(row, state, STATE_SIZE * sizeof(double));
+    memmove(row, state, STATE_SIZE * sizeof(double));
     memcpy(row + UNKNOWN, after, sizeof after);
     /* in the ring no contact changes */
     for (int k = 0; k < RESTS && place_of(m) == AT_RING; ++k) row[MARGIN + k] = 1.0;
@@ -305,8 +307,7 @@ static void begin_in_plane(const Stroke *r, Motion *m, const double *row, const 
     add(image, w->by[SPIN], row[UNKNOWN + SPIN], 2);
     add(image, w->by[SLIP], row[UNKNOWN + SLIP], 2);
     double size = hypot(image[X], image[Y]);
-    m->rests = size <= RESTING
-               && slips_about(r, m, row, m->watched, m->z, &force, holding) >= 0.0;
+    m->rests = size <= RESTING && slips_about(r, m, row, m->watched, m->z, &force, holding) >= 0.0;
     if (m->rests) return;
     m->z[SIZE] = size;
     m->z[FACING] = atan2(image[Y], image[X]);
@@ -321,8 +322,10 @@ static void watch(Stroke *r, Motion *m, double *row) {
     with.watched = nearest_to(r, m, row);
     if (with.watched < 0) return;
     Watched w = watched_at(r, m, row, with.watched);
-    if (slides(m)) begin_in_plane(r, &with, row, &w);
-    else if (!begin_on_line(r, &with, row, &w)) return;
+    if (slides(m))
+        begin_in_plane(r, &with, row, &w);
+    else if (!begin_on_line(r, &with, row, &w))
+        return;
     if (evaluate_watched(r, &with, row, found, report) < 0) return;
     *m = with;
     memcpy(row, found, sizeof found);
@@ -369,8 +372,10 @@ static int change_rest(Stroke *r, Motion *m, double *row) {
     memcpy(found, row, sizeof found);
     unwatch(r, &plain, found);
     memcpy(m->z, row + UNKNOWN, sizeof m->z);
-    if (!slides(m)) m->side = -m->side;
-    else if (!m->rests) m->rests = 1;
+    if (!slides(m))
+        m->side = -m->side;
+    else if (!m->rests)
+        m->rests = 1;
     else {
         slips_about(r, m, row, m->watched, z, &force, holding);
         m->rests = 0;

@@ -23,7 +23,9 @@ static const double SOLVED = 1e-7;
    first. */
 static const double UNSOLVED_MIDDLE = 1e-5;
 
-typedef struct { double h, error, correction, rows[STAGES + 1][ROW]; } Step;
+typedef struct {
+    double h, error, correction, rows[STAGES + 1][ROW];
+} Step;
 
 /* Derivatives by `count` parameters, by columns: of the state; and of the motion's own SOURCES
    (rows) by each of them (columns). */
@@ -56,6 +58,24 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
     double *results[] = {by, toward, &correction};
     (all ? ALL_SLOPES : SLOPES)[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
     return correction;
+}
+
+/* The same of the rates alone, by differences: where a support point stands still. */
+static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources,
+                                 double *slopes) {
+    for (int j = 0; j < STATE_SIZE + (sources < VARIED ? sources : VARIED); ++j)
+        for (int side = -1; side <= 1; side += 2) {
+            Motion moved = *m;
+            double state[] = {row[THETA], row[COORDINATE]}, found[ROW], report[REPORT];
+            memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
+            double *at = j < STATE_SIZE ? state + j : moved.p + VARIED_AT[j - STATE_SIZE];
+            *at += side * DIFFERENCE;
+            face(&moved);
+            if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
+            for (int c = 0; c < STATE_SIZE; ++c)
+                slopes[STATE_SIZE * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
+        }
+    return 1;
 }
 
 /* Derivatives of the unknowns by the state at a row where a point is watched, by how Newton's
@@ -111,14 +131,17 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
     double allowed = sqrt(LEFT_OVER * tolerance * slow / h);
     /* the tangent at the start is kept: a step that is too long starts again there */
     double by[BY_STATE + STATE_SIZE];
-    if (!m->has_tangent && m->watched >= 0) tangents_aside(r, m, start, m->toward);
-    else if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
+    if (!m->has_tangent && m->watched >= 0)
+        tangents_aside(r, m, start, m->toward);
+    else if (!m->has_tangent)
+        slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
     m->has_tangent = 1;
     memcpy(taken->rows[0], start, sizeof taken->rows[0]);
     for (int i = 1; i <= STAGES; ++i) {
         double *row = taken->rows[i], tangent[UNKNOWN_SIZE];
         place_stage(taken, start, h, i, at);
-        if (again) memcpy(z, row + UNKNOWN, sizeof z);
+        if (again)
+            memcpy(z, row + UNKNOWN, sizeof z);
         else {
             for (int k = 0; k < n; ++k) {
                 const double *toward = m->toward + k;
@@ -184,24 +207,6 @@ static double next_length(double h, double error, double tolerance) {
     double factor = SAFETY * pow(tolerance / fmax(error, 1e-300), 1.0 / ORDER);
     double mantissa = frexp(h * fmin(GROW, fmax(SHRINK, factor)), &exponent);
     return ldexp(floor(256.0 * mantissa), exponent - 8);
-}
-
-/* The same by differences, where a support point stands still. */
-static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources,
-                                 double *slopes) {
-    for (int j = 0; j < STATE_SIZE + (sources < VARIED ? sources : VARIED); ++j)
-        for (int side = -1; side <= 1; side += 2) {
-            Motion moved = *m;
-            double state[] = {row[THETA], row[COORDINATE]}, found[ROW], report[REPORT];
-            memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
-            double *at = j < STATE_SIZE ? state + j : moved.p + VARIED_AT[j - STATE_SIZE];
-            *at += side * DIFFERENCE;
-            face(&moved);
-            if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
-            for (int c = 0; c < STATE_SIZE; ++c)
-                slopes[STATE_SIZE * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
-        }
-    return 1;
 }
 
 /* Derivatives of the rates at a row that a variation needs (2, 2 + count): by the state, and by its
@@ -271,7 +276,8 @@ static int vary_step(Stroke *r, Motion *m, const Step *taken) {
     double row[ROW], start[RATES], mid[RATES], end[RATES], h = taken->h;
     Motion between = *m;
     size_t size = STATE_SIZE * (STATE_SIZE + v->count) * sizeof(double);
-    if (m->has_reached) memcpy(start, m->reached, size);
+    if (m->has_reached)
+        memcpy(start, m->reached, size);
     else {
         memcpy(row, taken->rows[0], sizeof row);
         if (rates_vary(r, &between, row, 0, start) < 0) return UNSOLVED;
@@ -285,8 +291,8 @@ static int vary_step(Stroke *r, Motion *m, const Step *taken) {
     double own[STATE_SIZE][STATE_SIZE];
     for (int c = 0; c < STATE_SIZE; ++c)
         for (int k = 0; k < STATE_SIZE; ++k) {
-            own[c][k] = (c == k) - h / 6.0 * (end[STATE_SIZE * k + c]
-                                              + 2.0 * mid[STATE_SIZE * k + c]);
+            own[c][k] =
+                (c == k) - h / 6.0 * (end[STATE_SIZE * k + c] + 2.0 * mid[STATE_SIZE * k + c]);
             for (int j = 0; j < STATE_SIZE; ++j)
                 own[c][k] += h * h / 12.0 * mid[STATE_SIZE * j + c] * end[STATE_SIZE * k + j];
         }
@@ -304,10 +310,10 @@ static int vary_step(Stroke *r, Motion *m, const Step *taken) {
             rest[c] = w[c] + h / 6.0 * (at_start[c] + 4.0 * given[c] + later[c]);
             for (int k = 0; k < STATE_SIZE; ++k)
                 rest[c] += h * mid[STATE_SIZE * k + c]
-                    * (w[k] / 3.0 + h / 12.0 * (at_start[k] - later[k]));
+                           * (w[k] / 3.0 + h / 12.0 * (at_start[k] - later[k]));
         }
-        w[THETA] = (rest[THETA] * second[COORDINATE]
-                    - first[COORDINATE] * rest[COORDINATE]) / whole;
+        w[THETA] =
+            (rest[THETA] * second[COORDINATE] - first[COORDINATE] * rest[COORDINATE]) / whole;
         w[COORDINATE] = (first[THETA] * rest[COORDINATE] - second[THETA] * rest[THETA]) / whole;
     }
     return 1;

@@ -12,7 +12,9 @@ static const double TURNS_BACK = 1e-3;
 enum { MOST_PHASES = 10000 };
 
 /* Approach and motion along the outline of a rod that travels by one, and the curve's metric. */
-typedef struct { double approach, along, metric; } Touch;
+typedef struct {
+    double approach, along, metric;
+} Touch;
 
 static Touch touch_of(const Stroke *r, const Motion *m, const double *state) {
     Begun b;
@@ -113,7 +115,7 @@ static void vary_wedge(const Stroke *r, int wedge) {
         if ((int)piece_of(r, piece)[PIECE_KIND] == KIND_CORNER)
             by[WEDGE_FIRST_NORMAL + forward] = end_by_radius(r, wedge, forward);
     }
-    double(*source)[MOST_VARIED] = r->varied->source;
+    double (*source)[MOST_VARIED] = r->varied->source;
     for (int k = 0; k < r->varied->count; ++k)
         for (int i = 0; i < WEDGE_SENSE; ++i)
             source[SOURCE_GEOMETRY_0 + i][k] = by[i] * source[SOURCE_RADIUS][k];
@@ -136,9 +138,9 @@ static int change_motion(Stroke *r, Motion *m, Motion following, const double *e
         double *w = v->state + STATE_SIZE * i;
         const double *before = end + SLOPE, *after = row + SLOPE;
         w[THETA] += (before[THETA] - after[THETA]) * later[i];
-        w[COORDINATE] =
-            w[COORDINATE] * ratio + (before[COORDINATE] * ratio - after[COORDINATE]) * later[i]
-            + new_end * v->source[SOURCE_RADIUS][i];
+        w[COORDINATE] = w[COORDINATE] * ratio
+                        + (before[COORDINATE] * ratio - after[COORDINATE]) * later[i]
+                        + new_end * v->source[SOURCE_RADIUS][i];
     }
     return NOTHING;
 }
@@ -210,9 +212,12 @@ static int is_held_in(Stroke *r, Motion *m, int wedge, double theta) {
             /* mu N - sign T >= 0, T = x or -(x + turn) */
             double a = mu * fixed[k] + (k ? sign * turn : 0.0);
             double c = mu * slope[k] + (k ? sign : -sign);
-            if (c > 0.0) low = fmax(low, -a / c);
-            else if (c < 0.0) high = fmin(high, -a / c);
-            else if (a < 0.0) return 0;
+            if (c > 0.0)
+                low = fmax(low, -a / c);
+            else if (c < 0.0)
+                high = fmin(high, -a / c);
+            else if (a < 0.0)
+                return 0;
         }
     return low <= high;
 }
@@ -261,7 +266,10 @@ static int leave_wedge(Stroke *r, Motion *m, double *state, int forward) {
         return NOTHING;
     }
     state[COORDINATE] = coordinate;
-    Motion next = motion_of(r, r->friction == 0.0 ? SLIDE_FREE : left ? SLIDE_LEFT : SLIDE_RIGHT,
+    Motion next = motion_of(r,
+                            r->friction == 0.0 ? SLIDE_FREE
+                            : left             ? SLIDE_LEFT
+                                               : SLIDE_RIGHT,
                             piece, 0.0, 0.0);
     Touch touch = touch_of(r, &next, state);
     if (touch.approach <= 0.0) return LEFT;

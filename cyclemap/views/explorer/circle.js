@@ -34,8 +34,9 @@ function samplesAt(engine, theta) {
   return { status, samples: theta.map((angle, index) => ({ theta: angle, next: next[index], slope: slope[index] })) };
 }
 
-// As many samples as it takes for cubics to be within `tolerance` midway of all, or intervals to be too short to tell:
-// jumps and kinks. `alive` is awaited now and then, and ends it where it returns false; null then.
+// As many samples as it takes for cubics to be within `tolerance` midway of all, in value and, over the interval, in
+// slope, which tells of a kink where the value does not; or intervals to be too short to tell: jumps. The map is whole
+// where they sufficed. `alive` is awaited now and then, and ends it where it returns false; null then.
 async function sampledMap(engine, count, tolerance, alive) {
   let { status, samples } = samplesAt(engine, range(count).map((index) => (TURN * index) / count));
   if (status < 1) return { status };
@@ -51,14 +52,17 @@ async function sampledMap(engine, count, tolerance, alive) {
     tried.samples.forEach((middle, index) => {
       const [a, b] = some[index];
       samples.push(middle);
-      if (Math.abs(cubic(a, b, middle.theta) - middle.next) <= tolerance) return;
+      const width = b.theta - a.theta;
+      const slope = (1.5 * (b.next - a.next)) / width - (a.slope + b.slope) / 4;
+      const off = Math.max(Math.abs(cubic(a, b, middle.theta) - middle.next), (Math.abs(slope - middle.slope) * width) / 4);
+      if (off <= tolerance) return;
       // A kink leaves an error as small as what is left of the interval: no more is to be had there.
-      if (b.theta - a.theta > LEAST_WIDTH) open.push([a, middle], [middle, b]);
+      if (width > LEAST_WIDTH) open.push([a, middle], [middle, b]);
       else if (Math.abs(b.next - a.next) > 1e-3) map.jumps.push(middle.theta);
     });
     if (samples.length > MOST_SAMPLES) break;
   }
-  return { status, map: Object.assign(new CircleMap(samples), { jumps: map.jumps }) };
+  return { status, map: Object.assign(new CircleMap(samples), { jumps: map.jumps, isWhole: open.length === 0 }) };
 }
 const LEAST_WIDTH = 1e-6, MOST_SAMPLES = 3000;
 

@@ -89,7 +89,7 @@ function ringOutside({ outline, ring: [x, y] }) {
   return crossed.length % 2 ? [] : ["The ring lies outside the object: it needs an arm there."];
 }
 
-function said({ fixed_points: points, density, staircase, courses, turn, fine, jumps }) {
+function said({ fixed_points: points, density, staircase, courses, turn, fine, jumps, samples, is_whole: whole }) {
   const [push] = courses[0];
   const facing = push[0][2];
   const [from, to] = [push[0], push[push.length - 1]].map((frame) => frame.slice(3));
@@ -113,7 +113,9 @@ function said({ fixed_points: points, density, staircase, courses, turn, fine, j
   }
   sentences.push(turned < 1.5 ? `In ${given.cycles} pushes with this noise it never gets around.` : `In ${given.cycles} pushes with this noise it gets around ${Math.round(turned)} times.`);
   if (jumps.length) sentences.push(`The map jumps near ${jumps.map((theta) => `${theta.toFixed(1)}°`).join(", ")}: nothing there is smoothed.`);
-  sentences.push(fine ? "Computed here: the map to 1e-6 rad, fixed points to 1e-8 rad." : "While you move, roughly: the map to about 1e-3 rad.");
+  const sketched = `A sketch from ${samples} cycles while you move: where the map is steep it may be far off.`;
+  const short = `Computed here from ${samples} cycles, too few where the map is steepest: there it is not known to 1e-6 rad.`;
+  sentences.push(whole ? "Computed here: the map to 1e-6 rad, fixed points to 1e-8 rad." : fine ? short : sketched);
   return sentences;
 }
 const signed = (angle) => wrap(angle + 180) - 180;

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 import math
 import platform
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,7 @@ from pathlib import Path
 
 import jinja2
 import numpy as np
+from PIL import Image
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import Portrait, portrait
@@ -36,7 +38,7 @@ _WORKER = ("engine.js", "circle.js", "worker.js")
 _FARTHEST, _FARTHEST_FROM_ORIGIN = 1.8, 0.04
 # Settings of the stories' floor, where the own one has none to tell.
 _USUAL_FLOOR = ("mu_a", "mu_b", "phi_deg", "m0", "n0")
-_DOTS_PER_INCH = 56
+_DOTS_PER_INCH, _COLOURS = 80, 48
 _FRAME_HEIGHT = 860
 
 
@@ -139,7 +141,7 @@ class ExplorerFrame:
 
 
 def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> ExplorerFrame:
-    """Return the page of a loop for a notebook, 400 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
+    """Return the page of a loop for a notebook, 350 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
 
     >>> from cyclemap import CollectionLoop
     >>> sorted(explorer_frame(CollectionLoop.mit("plywood"))._repr_mimebundle_())
@@ -151,8 +153,12 @@ def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> Explorer
 
 
 def _still(found: Portrait) -> bytes:
-    """The portrait as a small picture."""
-    return render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)
+    """The portrait as a picture of few colours, a third as long as with all of them."""
+    whole = render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)
+    few = io.BytesIO()
+    with Image.open(io.BytesIO(whole)) as picture:
+        picture.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE).save(few, "png", optimize=True)
+    return few.getvalue()
 
 
 def provenance_of(found: Portrait, command: str, inputs: Sequence[Path]) -> list[tuple[str, str]]:

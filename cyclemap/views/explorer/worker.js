@@ -67,6 +67,8 @@ async function answered({ id, values, start, cycles }, fine, alive) {
   }
   return {
     id, fine, density, courses,
+    is_whole: fine && map.isWhole,
+    samples: map.samples.length,
     jumps: map.jumps.map((theta) => theta / RADIAN),
     turn: range(CELLS + 1).map((degree) => (map.at(degree * RADIAN) - degree * RADIAN) / RADIAN),
     fixed_points: points.map(({ theta, multiplier, stable }) => ({ theta_deg: theta / RADIAN, multiplier, stable })),

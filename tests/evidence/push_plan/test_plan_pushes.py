@@ -15,7 +15,15 @@ from cyclemap.evidence.data_blocks.stroke_block import loop_on
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.push_plan.candidates import candidate_pushes, placed
 from cyclemap.evidence.push_plan.plan_pushes import Design
-from cyclemap.evidence.push_plan.sensitivity import TARGETS, UNKNOWNS, Beliefs, push_sensitivity, target_of
+from cyclemap.evidence.push_plan.sensitivity import (
+    SET_OFF,
+    TARGETS,
+    UNKNOWNS,
+    Beliefs,
+    over_noise,
+    push_sensitivity,
+    target_of,
+)
 from cyclemap.evidence.pushes.planned_table import push_noise
 from cyclemap.mechanics import Pose, Slider
 
@@ -42,8 +50,8 @@ def planned(target: str = "direction") -> PushPlan:
 @cache
 def design(target: str) -> Design:
     known = believed()
-    _, by = push_sensitivity(known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0))
-    return Design(known, by / NOISE[:, None], target_of(known, target, by, NOISE))
+    _, by, told = push_sensitivity(known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), NOISE)
+    return Design(known.covariance, told, target_of(known, target, by, NOISE))
 
 
 def stable_theta(values: dict[str, float]) -> float:
@@ -137,3 +145,13 @@ def test_what_cannot_be_planned_is_refused_with_the_mend() -> None:
     refused(plan_pushes, unknown, 33, told="33, of at most 32")
     refused(plan_pushes, unknown, target="fate", told="not 'fate'")
     refused(plan_pushes, unknown, 2, room=(0.1, 0.1), samples=2, candidates=4, told="100 x 100 mm holds 0 of 4")
+
+
+def test_a_push_that_depends_on_where_the_rod_is_set_tells_less() -> None:
+    """Of one number the noise is the root of both squares; without a rod's error it is the push's own."""
+    noise, by = np.array([1e-3, 1e-3, 0.02]), np.ones((1, 3, 1))
+    assert over_noise(by, np.zeros((1, 3, 2)), noise)[0, :, 0] == pytest.approx(1.0 / noise)
+    turning = np.zeros((1, 3, 2))
+    turning[0, 2, 0] = 10.0
+    told = over_noise(by, turning, noise)[0, :, 0]
+    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(1.0 / math.hypot(0.02, 10.0 * SET_OFF))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy.optimize import fsolve
 
 from cyclemap.maps import (
@@ -13,7 +14,6 @@ from cyclemap.maps import (
     saddle_nodes,
     tongue,
 )
-from tests.refusals import refused
 
 TWO_PI = 2 * np.pi
 PLANE = (0.0, 0.6), (-1.0, 2.0)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy.special import jv
 
 from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, mean_passage_time, response, transfer_operator
-from tests.refusals import refused
 
 TWO_PI = 2 * np.pi
 SIGMA, K = 0.3, 0.9

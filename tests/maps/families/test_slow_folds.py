@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
+from refusals import refused
 
 from cyclemap.maps import CircleMap, DriftingMap, fixed_points, orbit_branches, sample_staircase, slow_folds
-from tests.refusals import refused
 
 TWO_PI = 2 * np.pi
 K = 0.9

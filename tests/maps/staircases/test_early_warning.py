@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, rest_multiplier, sample_staircases
-from tests.refusals import refused
 
 
 def paths(multiplier, count=200, size=101, seed=3):

@@ -1,0 +1,121 @@
+"""What the next pushes will bring, of all that is believed of the floor: lock-in, where, and how much of the circle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import positive_number, require_room, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.uncertain_directions import clusters, sampled_loop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.cycle_batch import run_batch
+
+# A run has locked in where so many successive pushes stay within this (rad) of each other.
+REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
+# Orientations that are told apart.
+ORIENTATIONS = 36
+# Samples of what is believed, runs on each, and angles between which a map is taken as straight: off by .1 degrees.
+_SAMPLES, _RUNS, _NODES = 40, 8, 96
+_ACCURACY = 1e-5
+LEVEL = 0.9
+
+
+@dataclass(frozen=True)
+class LockForecast:
+    """What a number of pushes will bring, over samples of what is believed and runs with the noise of a cycle.
+
+    cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions : about which, rad,
+    in what share of the runs, and within what of it 90 % of these rest, rad. orientations : how many of 36 will have
+    been seen, in the median, and the ends of a 90 % interval. samples : of what is believed.
+    """
+
+    cycles: int
+    chance: float
+    directions: tuple[tuple[float, float, float], ...]
+    orientations: tuple[float, float, float]
+    samples: int
+
+
+def lock_forecast(
+    loop: CollectionLoop,
+    sigma: float,
+    cycles: int,
+    start: float = 0.0,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> LockForecast:
+    """Return what the next `cycles` pushes of a loop will bring, by its material's posterior.
+
+    sigma : standard deviation (rad) of a cycle's noise. start : rad, the first orientation. seed : of the runs.
+    progress : called with the fraction done. Maps are taken as straight between 96 angles. A surface that wears is
+    taken as it is now. Raises InvalidInput for a material without samples, and for fewer than 50 pushes.
+    """
+    posterior = loop.material.posterior
+    if posterior is None:
+        raise InvalidInput(f"{loop.material.name} has no samples of what is believed of it: identify it from data")
+    count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
+    scatter = positive_number("sigma", sigma)
+    require_room("angles of a forecast", 2.0 * count * _SAMPLES * _RUNS, "forecast fewer pushes")
+    chosen = np.unique(np.linspace(0, len(posterior) - 1, min(_SAMPLES, len(posterior))).round().astype(int))
+    stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
+    theta = TWO_PI * np.arange(_NODES) / _NODES
+    turns = []
+    for number, index in enumerate(chosen.tolist(), 1):
+        turns.append(run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta)
+        if progress is not None:
+            progress(number / len(chosen))
+    paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, start, seed)
+    resting, where = _rests(paths)
+    seen = _orientations(paths)
+    centres = clusters(where)
+    away = np.abs(np.angle(np.exp(1j * (where[:, None] - centres))))
+    directions = []
+    for number, centre in enumerate(centres.tolist()):
+        own = away[np.argmin(away, axis=1) == number, number]
+        directions.append((centre, own.size / len(resting), float(np.quantile(own, LEVEL))))
+    directions.sort(key=lambda one: -one[1])
+    low, middle, high = np.quantile(seen, (0.5 - LEVEL / 2.0, 0.5, 0.5 + LEVEL / 2.0)).tolist()
+    return LockForecast(count, float(resting.mean()), tuple(directions), (middle, low, high), len(chosen))
+
+
+def _paths(turns: Array, sigma: float, cycles: int, start: float, seed: int) -> Array:
+    """Unwrapped orientations (cycles + 1, c) of c runs, whose turns (c, nodes) are given all around."""
+    rng = np.random.default_rng(seed)
+    run = np.arange(len(turns))
+    after = np.roll(turns, -1, axis=1)
+    paths = np.empty((cycles + 1, len(turns)))
+    paths[0] = start
+    for cycle in range(cycles):
+        place = np.mod(paths[cycle], TWO_PI) * (_NODES / TWO_PI)
+        node = np.minimum(place.astype(int), _NODES - 1)
+        share = place - node
+        turn = (1.0 - share) * turns[run, node] + share * after[run, node]
+        paths[cycle + 1] = paths[cycle] + turn + sigma * rng.standard_normal(len(run))
+    return paths
+
+
+def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
+    """Whether each run rests, (c,), and where those that do rest first, rad."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    low, high = (extreme(paths, REST_CYCLES, axis=0) for extreme in (minimum_filter1d, maximum_filter1d))
+    half = REST_CYCLES // 2
+    resting = (high - low)[half : len(paths) - half + 1] < REST_WIDTH
+    found = resting.any(axis=0)
+    first = np.argmax(resting, axis=0)[found]
+    rows = first[None] + np.arange(REST_CYCLES)[:, None]
+    return found, np.mod(paths[rows, np.flatnonzero(found)].mean(axis=0), TWO_PI)
+
+
+def _orientations(paths: Array) -> Array:
+    """How many of the orientations each run has seen, (c,)."""
+    seen = np.zeros((paths.shape[1], ORIENTATIONS), dtype=bool)
+    arcs = np.floor(np.mod(paths, TWO_PI) * (ORIENTATIONS / TWO_PI)).astype(int) % ORIENTATIONS
+    seen[np.arange(paths.shape[1])[None], arcs] = True
+    return np.asarray(seen.sum(axis=1), dtype=float)

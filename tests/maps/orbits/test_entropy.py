@@ -1,0 +1,121 @@
+"""Topological entropy by closed forms, counts of periodic points, invariances; kneading sequences."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import (
+    CircleMap,
+    conjugate,
+    kneading_sequences,
+    nth_iterate,
+    periodic_points,
+    rotation_interval,
+    topological_entropy,
+)
+from tests.maps.known_maps import DOUBLING, DROPPING, TWO_PI, logistic
+
+FOLDED = CircleMap.arnold(0.5, 3.0)
+
+
+def zigzag(slope, shift):
+    """A lift of degree 1 with slopes ±s: its entropy is ln s (Misiurewicz & Szlenk 1980)."""
+    top = np.pi * (1 / slope + 1)
+
+    def lift(theta):
+        turns = np.floor(theta / TWO_PI)
+        base = theta - TWO_PI * turns
+        return TWO_PI * turns + shift + np.where(base < top, slope * base, slope * (2 * top - base))
+
+    return CircleMap(lift, lambda theta: np.where(np.mod(theta, TWO_PI) < top, slope, -slope), [0.0, top])
+
+
+@pytest.mark.parametrize("slope", [1.3, 2.0, 2.7, 3.0, 4.4])
+def test_a_lift_of_constant_slope_has_its_logarithm(slope):
+    for shift in (0.3, 1.0, 5.1):
+        found = topological_entropy(zigzag(slope, shift))
+        assert found.holds(np.log(slope)) and found.error_bound < 1e-6
+
+
+def test_logistic_maps_have_the_known_values():
+    """ln 2 at r = 4; in the window of period 3 the entropy of its graph, the golden mean's logarithm."""
+    window, full = topological_entropy(logistic(3.83)), topological_entropy(logistic(4.0))
+    assert window.holds(np.log(0.5 + 0.5 * 5**0.5)) and window.error_bound < 1e-3
+    assert full == pytest.approx(np.log(2.0), abs=1e-11) and full.holds(np.log(2.0)) and full.error_bound < 1e-3
+    quiet = topological_entropy(logistic(3.5))
+    assert quiet.holds(0.0) and quiet.error_bound < 1e-3
+    # Rising in r (Milnor & Thurston 1988).
+    values = [topological_entropy(logistic(r)) for r in (3.6, 3.7, 3.8, 3.9)]
+    assert all(one.upper < other.lower for one, other in pairwise(values))
+
+
+def test_periodic_points_grow_no_faster_than_the_entropy_of_an_expanding_lift_and_nearly_as_fast():
+    slope = zigzag(2.7, 0.3)
+    count = periodic_points(slope, 9).count
+    assert np.log(count) / 9 == pytest.approx(topological_entropy(slope), abs=0.15)
+
+
+def test_entropy_is_kept_by_turning_and_multiplied_by_iterating():
+    entropy = topological_entropy(FOLDED)
+    turned = topological_entropy(conjugate(FOLDED, 1.0))
+    assert abs(turned - entropy) <= turned.error_bound + entropy.error_bound < 1e-7
+    twice = topological_entropy(nth_iterate(FOLDED, 2))
+    assert abs(twice - 2 * entropy) <= twice.error_bound + 2 * entropy.error_bound < 1e-4
+
+
+def test_without_folds_it_is_the_logarithm_of_the_degree():
+    assert topological_entropy(CircleMap.arnold(0.2, 0.9)) == 0.0
+    assert topological_entropy(DOUBLING).holds(np.log(2.0))
+    assert kneading_sequences(DOUBLING) == ()
+
+
+def test_a_lift_whose_rotation_interval_is_one_fraction_may_have_none_and_wide_ones_have_much():
+    """An interval of rotation numbers [0, 1/2] or wider means positive entropy (Misiurewicz 1986)."""
+    rng = np.random.default_rng(2)
+    for _ in range(8):
+        circle_map = CircleMap.arnold(rng.uniform(0, 1), rng.uniform(1.2, 4.0))
+        interval, entropy = rotation_interval(circle_map, iterates=2_000), topological_entropy(circle_map)
+        if interval.lower_number.upper < interval.upper_number.lower:
+            assert entropy.lower > 0.0
+        assert entropy.upper <= np.log(3 + 2 * np.ceil(1.0 + 4.0 / np.pi))
+
+
+def test_more_images_narrow_the_bounds_and_never_move_them_apart():
+    estimates = [topological_entropy(FOLDED, iterates=count) for count in (2, 4, 8, 16)]
+    widths = [one.error_bound for one in estimates]
+    assert all(later < 0.5 * sooner for sooner, later in pairwise(widths))
+    last = topological_entropy(FOLDED)
+    assert all(one.lower <= last.upper and last.lower <= one.upper for one in estimates)
+
+
+def test_bounds_hold_for_lifts_moved_by_what_they_may_be_off():
+    rng, off = np.random.default_rng(8), 1e-4
+    for _ in range(5):
+        plain = CircleMap.arnold(rng.uniform(0, 1), rng.uniform(1.5, 4.0))
+        claimed = CircleMap(plain, plain.derivative, max_error=off)
+        wave = off * np.cos(rng.uniform(0, 6))
+        moved = CircleMap(
+            lambda x, m=plain, w=wave: m(x) + w * np.cos(x), lambda x, m=plain, w=wave: m.derivative(x) - w * np.sin(x)
+        )
+        one, other = topological_entropy(claimed), topological_entropy(moved)
+        assert abs(one - other) <= one.error_bound + other.error_bound
+
+
+def test_kneading_sequences_follow_the_orbits_of_the_folds():
+    for sequence, fold in zip(
+        kneading_sequences(FOLDED, 12), (np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)), strict=True
+    ):
+        theta, letters = fold, []
+        for _ in range(12):
+            theta = np.mod(float(FOLDED(theta)), TWO_PI)
+            letters.append(0 if np.arccos(1 / 3) <= theta < TWO_PI - np.arccos(1 / 3) else 1)
+        assert list(sequence) == letters
+
+
+def test_jumps_are_refused():
+    with pytest.raises(InvalidInput, match="F jumps"):
+        topological_entropy(DROPPING)
+    with pytest.raises(InvalidInput, match="give a CircleMap"):
+        kneading_sequences("map")
