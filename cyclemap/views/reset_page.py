@@ -69,7 +69,7 @@ def reset_page(design: ResetDesign) -> Figure:
     )
     figure.text(0.015, 0.015, fill(foot, 180), fontsize=8, color=QUIET, va="bottom")
     title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
-    figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
+    figure.text(0.015, 0.955, fill(title, 100), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
     if not design.met:
         figure.text(0.015, 0.905, fill(miss_sentences(design)[0], 180), fontsize=10, color=FORCE, va="center")
     return figure
