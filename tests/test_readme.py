@@ -29,7 +29,7 @@ def test_its_python_runs_as_it_stands(tmp_path, monkeypatch, capsys) -> None:
 def test_its_commands_exist_with_their_options() -> None:
     (block,) = re.findall(r"```sh\n(cyclemap .*?)```", TEXT, flags=re.DOTALL)
     commands = re.findall(r"^cyclemap (\w+) (.*?)(?: {2,}#.*)?$", block, flags=re.MULTILINE)
-    assert len(commands) == 6
+    assert len(commands) == 7
     for name, words in commands:
         command = cli.commands[name]
         with click.Context(command, info_name=name) as context:
