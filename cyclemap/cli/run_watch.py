@@ -42,9 +42,15 @@ _PUSHES_AHEAD = 300
 
 
 def run_watch(
-    file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
-    table: TableOptions, **results: Any,
-) -> None:  # fmt: skip
+    file: Path,
+    alarm_rate: float,
+    follow: bool,
+    every: float,
+    protocol: Path | None,
+    material: str | None,
+    table: TableOptions,
+    **results: Any,
+) -> None:
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
@@ -140,9 +146,15 @@ def _ahead_sentences(ahead: Ahead, theta: float) -> tuple[str, ...]:
 
 
 def _conclude(
-    file: Path, monitor: BiasMonitor, reports: Sequence[BiasReport], look_ahead: LookAhead, out: Path,
-    picture_format: str, json_target: str | None, quiet: bool = False,
-) -> None:  # fmt: skip
+    file: Path,
+    monitor: BiasMonitor,
+    reports: Sequence[BiasReport],
+    look_ahead: LookAhead,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+    quiet: bool = False,
+) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
     last, ahead, rest = reports[-1], look_ahead(monitor), rest_multiplier(monitor.path)
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, ahead)}
