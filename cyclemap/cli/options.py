@@ -176,9 +176,13 @@ def table_options(command: Command) -> Command:
 
     @wraps(command)
     def gathered(
-        columns: str | None, units: str | None, angles: str | None, frame: str | None, offset_deg: float | None,
+        columns: str | None,
+        units: str | None,
+        angles: str | None,
+        frame: str | None,
+        offset_deg: float | None,
         **others: Any,
-    ) -> None:  # fmt: skip
+    ) -> None:
         command(table=TableOptions(columns, units, angles, frame, offset_deg), **others)
 
     named = "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC for a bag."

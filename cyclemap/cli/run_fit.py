@@ -56,9 +56,16 @@ NOTE_LETTERS = 60
 
 
 def run_fit(
-    data: Path, table: TableOptions, select: tuple[str, ...], harmonics: int | None, wear: bool,
-    seed: int, out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    data: Path,
+    table: TableOptions,
+    select: tuple[str, ...],
+    harmonics: int | None,
+    wear: bool,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
     read, chosen = readable_data(data, table, out), selected_values(select)
     with progress_bar(f"reading {data.name}") as report:

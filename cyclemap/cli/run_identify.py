@@ -54,12 +54,31 @@ NOTHING = "–"
 
 
 def run_identify(
-    data: Sequence[Path], table: TableOptions, select: tuple[str, ...], protocol: Path | None,
-    settings: tuple[str, ...], start: str | None, floor: str | None, plate: tuple[str, ...], target_mm: str | None,
-    free: str | None, fix: tuple[str, ...], first: int, most: int, wear: bool, no_priors: bool, name: str | None,
-    folds: int | None, student: float, starts: int, seed: int, force: bool, out: Path, picture_format: str,
+    data: Sequence[Path],
+    table: TableOptions,
+    select: tuple[str, ...],
+    protocol: Path | None,
+    settings: tuple[str, ...],
+    start: str | None,
+    floor: str | None,
+    plate: tuple[str, ...],
+    target_mm: str | None,
+    free: str | None,
+    fix: tuple[str, ...],
+    first: int,
+    most: int,
+    wear: bool,
+    no_priors: bool,
+    name: str | None,
+    folds: int | None,
+    student: float,
+    starts: int,
+    seed: int,
+    force: bool,
+    out: Path,
+    picture_format: str,
     json_target: str | None,
-) -> None:  # fmt: skip
+) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
@@ -75,9 +94,17 @@ def run_identify(
     data, space = [readable_data(path, table, out) for path in data], starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
-            data, loop, chosen, first=first, wear=wear, most=most, progress=report,
-            push_length=loop.push.distance if "push_mm" in told else None, population=known is not None, target=target,
-        )  # fmt: skip
+            data,
+            loop,
+            chosen,
+            first=first,
+            wear=wear,
+            most=most,
+            progress=report,
+            push_length=loop.push.distance if "push_mm" in told else None,
+            population=known is not None,
+            target=target,
+        )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
     believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
@@ -116,9 +143,15 @@ def run_identify(
 
 
 def _conclude(
-    data: CollectedBlocks, found: Identification, material: Material, doubtful: bool, seed: int, out: Path,
-    picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    data: CollectedBlocks,
+    found: Identification,
+    material: Material,
+    doubtful: bool,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
     told, answer = (
         identify_report(material, data.notes, found, derived),

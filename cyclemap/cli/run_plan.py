@@ -28,10 +28,24 @@ FREE = "free"
 
 
 def run_plan(
-    object_file: Path, settings: tuple[str, ...], floor: str, pushes: int, target: str, grid: str, room_mm: str,
-    by: str | None, excel: bool, error_mm: float, error_deg: float, after: Sequence[Path], until_deg: float,
-    seed: int, out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    object_file: Path,
+    settings: tuple[str, ...],
+    floor: str,
+    pushes: int,
+    target: str,
+    grid: str,
+    room_mm: str,
+    by: str | None,
+    excel: bool,
+    error_mm: float,
+    error_deg: float,
+    after: Sequence[Path],
+    until_deg: float,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what will be known."""
     if object_file.suffix != ".toml":
         raise InvalidInput(f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with --shape")
@@ -54,9 +68,15 @@ def run_plan(
             return
     with progress_bar("choosing pushes") as report:
         plan = plan_pushes(
-            loop, pushes, target=target, grid=step, room=_room(room_mm), seed=seed, progress=report,
+            loop,
+            pushes,
+            target=target,
+            grid=step,
+            room=_room(room_mm),
+            seed=seed,
+            progress=report,
             read=(1e-3 * error_mm, math.radians(error_deg)),
-        )  # fmt: skip
+        )
     by = by or ("pose" if step is None else "corners")
     content = table_to_fill(plan, by, excel)
     table = _unused(stem, ".xlsx" if excel else ".csv", content)

@@ -30,9 +30,16 @@ if TYPE_CHECKING:
 
 
 def run_portrait(
-    options: LoopOptions, data: Path | None, table: TableOptions, cycles: int | None, seed: int, margin: bool,
-    out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    data: Path | None,
+    table: TableOptions,
+    cycles: int | None,
+    seed: int,
+    margin: bool,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
     pairs, chosen = measured_orientations(data, table, out), chosen_collection(options, data).simplified()
     loop, sigma = chosen.loop, chosen.sigma

@@ -30,10 +30,19 @@ from cyclemap.views.sentences import material_line
 
 
 def run_reset(
-    options: LoopOptions, json_target: str | None, out: Path, picture_format: str, cycles: int, seed: int,
-    reach_mm: float | None, least_push_mm: float | None, axes_percent: float | None, offsets_percent: float | None,
-    likely: tuple[str, ...], **wanted: Any,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    json_target: str | None,
+    out: Path,
+    picture_format: str,
+    cycles: int,
+    seed: int,
+    reach_mm: float | None,
+    least_push_mm: float | None,
+    axes_percent: float | None,
+    offsets_percent: float | None,
+    likely: tuple[str, ...],
+    **wanted: Any,
+) -> None:
     """Design the reset, write its files, and print it for people or as JSON."""
     reach, contact = (None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm))
     axes, offsets = (None if part is None else 0.01 * part for part in (axes_percent, offsets_percent))

@@ -13,9 +13,15 @@ from cyclemap.views.sentences import ahead_sentence, uncertainty_sentence
 
 
 def run_staircase(
-    options: LoopOptions, data: Path | None, table: TableOptions, cycles: int | None, seed: int,
-    out: Path, picture_format: str, json_target: str | None,
-) -> None:  # fmt: skip
+    options: LoopOptions,
+    data: Path | None,
+    table: TableOptions,
+    cycles: int | None,
+    seed: int,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
     pairs, chosen = measured_orientations(data, table, out), chosen_collection(options, data).simplified()
     loop, sigma = chosen.loop, chosen.sigma

@@ -28,9 +28,15 @@ _TOLD_SHARES, _TOLERANCE = 10, 1e-3
 
 
 def run_watch(
-    file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
-    table: TableOptions, **results: Any,
-) -> None:  # fmt: skip
+    file: Path,
+    alarm_rate: float,
+    follow: bool,
+    every: float,
+    protocol: Path | None,
+    material: str | None,
+    table: TableOptions,
+    **results: Any,
+) -> None:
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
@@ -100,9 +106,15 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
 
 
 def _conclude(
-    file: Path, monitor: BiasMonitor, reports: Sequence[BiasReport], choose: Choose, out: Path, picture_format: str,
-    json_target: str | None, quiet: bool = False,
-) -> None:  # fmt: skip
+    file: Path,
+    monitor: BiasMonitor,
+    reports: Sequence[BiasReport],
+    choose: Choose,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
+    quiet: bool = False,
+) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
     last, chosen, rest = reports[-1], choose(monitor), rest_multiplier(monitor.path)
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}

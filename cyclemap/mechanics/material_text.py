@@ -185,7 +185,9 @@ def _material_of(table: dict[str, object], name: str) -> Material:
             "radians"
         )
     # What these are made of is checked where they are made.
-    told = MaterialPosterior(tuple(names), tuple(samples)) if posterior else None  # type: ignore[arg-type]
+    given = None
+    if posterior:
+        given = MaterialPosterior(tuple(names), tuple(samples))  # type: ignore[arg-type]
     return Material(
         str(table.get("name", name)),
         _friction_of(friction),
@@ -195,7 +197,7 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         found_with=FoundWith(**together),
         wear=_wear_of(_table(table, "worn")),
         plates=_plates_of(_table(table, "plates")),
-        posterior=told,
+        posterior=given,
         noise=CycleNoise(**noise) if noise else None,  # type: ignore[arg-type]
         frames=tuple(
             FrameShift(
@@ -256,7 +258,9 @@ def _field_of(numbers: dict[str, object]) -> FloorField | None:
                 f"a table [floor_field] needs {key}: dome_kpa, bow_x_kpa and bow_y_kpa, each a "
                 "list of factors of X, Y, X^2, X Y, Y^2 in 50 mm from the target, and reach_mm"
             )
-    rows = [finite_array(key, numbers[key], last=5, ndim=1) for key in SPREAD_KEYS]  # type: ignore[arg-type]
+    rows = []
+    for key in SPREAD_KEYS:
+        rows.append(finite_array(key, numbers[key], last=5, ndim=1))  # type: ignore[arg-type]
     reach = 1e-3 * finite_number("reach_mm", numbers["reach_mm"])
     return FloorField(tuple(tuple(row.tolist()) for row in rows), reach)
 

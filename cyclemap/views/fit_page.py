@@ -174,9 +174,15 @@ def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
 
 
 def _draw_band(
-    axes: Axes, law: PeriodicLaw, theta: Array, scale: float, fill: str, line: str, dash: str,
+    axes: Axes,
+    law: PeriodicLaw,
+    theta: Array,
+    scale: float,
+    fill: str,
+    line: str,
+    dash: str,
     labels: tuple[str | None, str],
-) -> list[Array]:  # fmt: skip
+) -> list[Array]:
     """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the wider band's ends."""
     around, centre = np.degrees(CIRCLE), scale * law(CIRCLE)
     mean, one = (scale * half for half in law.half_bands(CIRCLE))

@@ -29,8 +29,8 @@ from cyclemap.views.style import (
 
 MM = 1000.0
 _COLUMNS = 4
-# Inches of a panel, of the words above, and of the foot.
-_WIDTH, _ABOVE, _BELOW = 3.3, 1.35, 0.4
+# Inches of a panel, of the labels at its left, of the words above, and of the foot.
+_WIDTH, _LEFT, _ABOVE, _BELOW = 3.3, 0.6, 1.35, 0.4
 
 
 def known_words(known: Mapping[str, float]) -> str:
@@ -79,15 +79,15 @@ def plan_page(plan: PushPlan) -> Figure:
     rows = -(-len(plan.pushes) // _COLUMNS)
     tall = _WIDTH * plan.room[1] / plan.room[0] + 0.75
     height = _ABOVE + _BELOW + rows * tall
-    width = _COLUMNS * _WIDTH + 0.4
+    width = _COLUMNS * _WIDTH + 0.2
     figure = new_figure(width, height)
     title, *words = plan_sentences(plan)
     write_page(figure, title, words, _foot(), top=1.0 - 0.62 / height, letters=185, size=16.0)
     for number in range(len(plan.pushes)):
         row, column = divmod(number, _COLUMNS)
-        left = (0.35 + column * _WIDTH) / width
+        left = (_LEFT + column * _WIDTH) / width
         bottom = 1.0 - (_ABOVE + (row + 1) * tall - 0.35) / height
-        axes = figure.add_axes((left, bottom, (_WIDTH - 0.4) / width, (tall - 0.75) / height))
+        axes = figure.add_axes((left, bottom, (_WIDTH - _LEFT) / width, (tall - 0.75) / height))
         _draw_push(axes, plan, number)
     return figure
 
@@ -124,7 +124,7 @@ def _draw_push(axes: Axes, plan: PushPlan, number: int) -> None:
     axes.tick_params(labelsize=6)
     slant = f", slanted {math.degrees(push.angle):+.0f}°" if push.angle else ""
     axes.set_title(
-        f"{number + 1}: side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm", fontsize=9
+        f"{number + 1}: side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm", fontsize=8.5
     )
     axes.set_ylabel("y (mm)", fontsize=7)
     axes.set_xlabel(

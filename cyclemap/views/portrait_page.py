@@ -36,9 +36,17 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
     figure = style.new_figure()
     grid = GridSpec(
-        2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
-        wspace=0.24, hspace=0.42,
-    )  # fmt: skip
+        2,
+        3,
+        figure,
+        width_ratios=(5.2, 2.75, 3.2),
+        left=0.055,
+        right=0.99,
+        bottom=0.145,
+        top=0.80,
+        wspace=0.24,
+        hspace=0.42,
+    )
     panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
     turn, density, cobweb, staircase, push, drag = panels
     known = portrait.uncertainty

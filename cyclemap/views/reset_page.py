@@ -125,9 +125,14 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
 
 @style.picture_style()
 def strategy_page(
-    words: Sequence[str], loop: CollectionLoop, strategy: ResetStrategy, theta: Array, measured: Array | None,
-    turns: Array | None = None, law: OrientationLaw | None = None,
-) -> Figure:  # fmt: skip
+    words: Sequence[str],
+    loop: CollectionLoop,
+    strategy: ResetStrategy,
+    theta: Array,
+    measured: Array | None,
+    turns: Array | None = None,
+    law: OrientationLaw | None = None,
+) -> Figure:
     """Draw one run theta (n + 1,), rad, beside measured orientations; with turns (actions, n) rad and the law, if any.
 
     words : the title, then what is said below it.

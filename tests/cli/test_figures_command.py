@@ -45,9 +45,11 @@ def _figure(fails: bool = False) -> SimpleNamespace:
 def _table() -> SimpleNamespace:
     rows = [("plywood, table I", "0.2545"), ("a surface whose name is longer than a narrow terminal is wide", "0.25")]
     return SimpleNamespace(
-        compute=lambda _: rows, HEADER=("surface", "μa"), rows=lambda found: found,
+        compute=lambda _: rows,
+        HEADER=("surface", "μa"),
+        rows=lambda found: found,
         caption=lambda _: "Friction.",
-    )  # fmt: skip
+    )
 
 
 def _animation() -> SimpleNamespace:

@@ -117,9 +117,9 @@ def test_only_the_froude_number_and_the_softness_in_weights_matter():
     base = model(STRONG, **FINE).push(Pose(theta=0.5), SHORT)
     corners = tuple((2 * x, 2 * y) for x, y in SQUARE.outline.vertices)
     wide = Slider(Polygon(corners), SQUARE.mass, inertia=4 * SQUARE.inertia)
-    large = DynamicModel(
-        wide, STRONG, Pusher(0.0095), speed=0.02 * math.sqrt(2.0), stiffness=0.5e6, **FINE
-    ).push(Pose(theta=0.5), SidePush(distance=0.08))  # fmt: skip
+    large = DynamicModel(wide, STRONG, Pusher(0.0095), speed=0.02 * math.sqrt(2.0), stiffness=0.5e6, **FINE).push(
+        Pose(theta=0.5), SidePush(distance=0.08)
+    )
     heavy_slider = replace(SQUARE, mass=3 * SQUARE.mass, inertia=3 * SQUARE.inertia)
     heavy = model(STRONG, heavy_slider, stiffness=3e6, **FINE).push(Pose(theta=0.5), SHORT)
     assert large.turn == pytest.approx(base.turn, abs=1e-7)

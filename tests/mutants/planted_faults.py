@@ -54,7 +54,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "mechanics/engine/phase.c": (
         f"{ENGINE} tests/mechanics/test_random_cases.py",
         [
-            ("if (margin < 0.0) high = h;", "if (margin > 0.0) high = h;"),
+            ("if (margin < 0.0)\n            high = h;", "if (margin > 0.0)\n            high = h;"),
             (
                 "found ? next_length(tried, taken->error, tolerance)",
                 "found ? next_length(tried, taken->error, 1e4 * tolerance)",

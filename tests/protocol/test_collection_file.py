@@ -38,8 +38,11 @@ def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
         path = written(tmp_path, collection_text(own_loop(), noise=math.radians(2.0)))
         found = loop_from_file(path)
     assert (found.slider, found.push, found.pusher, found.reset) == (
-        own_loop().slider, own_loop().push, own_loop().pusher, own_loop().reset,
-    )  # fmt: skip
+        own_loop().slider,
+        own_loop().push,
+        own_loop().pusher,
+        own_loop().reset,
+    )
     assert found.material.name == "walnut"
     assert found.material.friction.phi == pytest.approx(0.4)
     assert read_settings(path)["noise_deg"] == pytest.approx(2.0)

@@ -184,9 +184,16 @@ def design_reset(
     rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     binding = binding if rows[0].misses else ()
     return ResetDesign(
-        loop, sigma, wanted, about, rows, not binding and not rows[0].misses, binding,
-        independent_distance(wanted.pushes), **course,
-    )  # fmt: skip
+        loop,
+        sigma,
+        wanted,
+        about,
+        rows,
+        not binding and not rows[0].misses,
+        binding,
+        independent_distance(wanted.pushes),
+        **course,
+    )
 
 
 def _pool(
@@ -282,9 +289,13 @@ def _row(
     room = max(room_needed(prepared, action) for action in actions)
     contact = float(contact_lengths(prepared, list(actions)).min())
     values = {
-        TV: worst, AFTER: worst_after,
-        DRAG: drag, SECONDS: time, REACH: room, CONTACT: contact,
-    }  # fmt: skip
+        TV: worst,
+        AFTER: worst_after,
+        DRAG: drag,
+        SECONDS: time,
+        REACH: room,
+        CONTACT: contact,
+    }
     # Contact is demanded at least, all else at most.
     sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}
     rough = [_histograms(turn, strategy, demands.pushes, sigma, seed, _ROUGH_RUNS) for turn in turns]
@@ -299,9 +310,21 @@ def _row(
     )
     lacking = tuple(need for need in strategy.needs if need not in demands.abilities)
     return ResetRow(
-        tuple(roles), strategy, nominal, values[TV], values[AFTER], about.materials[where], drag, time, room, contact,
-        spread[0], spread[1], misses, lacking,
-    )  # fmt: skip
+        tuple(roles),
+        strategy,
+        nominal,
+        values[TV],
+        values[AFTER],
+        about.materials[where],
+        drag,
+        time,
+        room,
+        contact,
+        spread[0],
+        spread[1],
+        misses,
+        lacking,
+    )
 
 
 def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tuple[float, int]:

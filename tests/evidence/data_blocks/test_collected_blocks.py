@@ -86,9 +86,12 @@ def test_every_sort_of_table_is_recognised_by_its_columns_alone_or_in_a_folder(t
     found = collected_blocks(every_sort(tmp_path), LOOP)
     pushed, alone = "rect1 10 mm/s", "rect1 theta"
     assert names(found) == {
-        f"{pushed} push ends": 18, f"{pushed} drag-backs": 6, f"{pushed} wrenches": 15, f"{alone} cycles": 8,
+        f"{pushed} push ends": 18,
+        f"{pushed} drag-backs": 6,
+        f"{pushed} wrenches": 15,
+        f"{alone} cycles": 8,
         "sessions": 12,
-    }  # fmt: skip
+    }
     assert found.surface == "slate" and found.last_cycle == 7.0
     blocks = [collected_blocks([path], LOOP).blocks[0] for path in every_sort(tmp_path)]
     assert {block.name: telling_parameters([block]) for block in blocks} == {
@@ -109,8 +112,11 @@ def test_a_collection_gives_scans_cycles_push_ends_and_force_ratios_as_it_was_ma
     the contact by so much on a lever of 18 mm, and with it the turn by a few times more."""
     told = names(data)
     assert {**told, "force ratios": 0} == {
-        "friction scans": 2 * 144, "cycles": CYCLES - 1, "push ends": 3 * 4, "force ratios": 0,
-    }  # fmt: skip
+        "friction scans": 2 * 144,
+        "cycles": CYCLES - 1,
+        "push ends": 3 * 4,
+        "force ratios": 0,
+    }
     assert told["force ratios"] >= 4
     assert any("every 15th of 60 pushes taken" in note for note in data.notes)
     law = SLATE.friction

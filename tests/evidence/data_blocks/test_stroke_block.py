@@ -26,10 +26,19 @@ from cyclemap.text_files import read_csv_table
 
 RECT1, MIT = Slider.mit("rect1"), CollectionLoop.mit()
 TRUTH = SurfaceParameters(
-    ellipticity_x=0.1, ellipticity_y=-0.05, offset_x=0.04, offset_y=0.02, floor_dome=2.0, floor_bow_x=-1.5,
-    floor_bow_y=0.4, pusher_friction=0.2, plate_dome=-0.5, plate_warp_x=0.6, plate_warp_y=-0.3,
+    ellipticity_x=0.1,
+    ellipticity_y=-0.05,
+    offset_x=0.04,
+    offset_y=0.02,
+    floor_dome=2.0,
+    floor_bow_x=-1.5,
+    floor_bow_y=0.4,
+    pusher_friction=0.2,
+    plate_dome=-0.5,
+    plate_warp_x=0.6,
+    plate_warp_y=-0.3,
     pin_friction_radius=1e-3,
-)  # fmt: skip
+)
 LATE = {"ellipticity_x": 0.05, "ellipticity_y": -0.1, "offset_x": 0.01, "offset_y": -0.01}
 LATE |= {"floor_dome": 2.5, "floor_bow_x": -1.0, "floor_bow_y": 0.2}
 OFFSET = np.array([8e-4, -5e-4])
