@@ -188,6 +188,8 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
 
     def inexact(jet: Jet) -> Jet:
         straight = inner(Jet(jet.value, arb(1)))
+        if not straight.value.is_finite():
+            return straight
         size, steepness = float(straight.value.abs_upper()), float(straight.slope.abs_upper())
         rounding = LIFT * (TWO_PI * (1.0 + steepness) + size)
         value = straight.value + arb(0, circle_map.max_error + rounding)
@@ -200,13 +202,12 @@ def _formula(lift: Callable[[Any], Any]) -> IntervalLift:
     def call(jet: Jet) -> Jet:
         given = np.array([jet], dtype=object)
         try:
-            result = lift(given)[0] + 0 * jet  # a constant becomes a jet, too
+            value = lift(given)[0]
+            result: Jet = value if isinstance(value, Jet) else 0 * jet + value  # a constant becomes a jet
         except Exception as error:
             raise InvalidInput(
                 f"no proof: the lift does not take intervals ({type(error).__name__}: {error}); {_WRITTEN}"
             ) from error
-        if not isinstance(result, Jet):
-            raise InvalidInput(f"no proof: the lift turns intervals into {type(result).__name__}; {_WRITTEN}")
         return result
 
     return call
@@ -217,11 +218,11 @@ def _cubic(pieces: PiecewiseCubic) -> IntervalLift:
     arb = ball_library().arb
 
     def call(jet: Jet) -> Jet:
+        if not float(jet.value.rad()) < np.pi:  # a turn or more, or unknown
+            return Jet(arb.nan(), arb.nan())
         turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
         base = jet.value - 2 * arb.pi() * turns
         low, high = np.nextafter(float(base.lower()), -np.inf), np.nextafter(float(base.upper()), np.inf)
-        if not high - low < TWO_PI:
-            return Jet(arb.nan(), arb.nan())
         hull: Jet | None = None
         for lap in (-1, 0, 1):
             start = lap * TWO_PI

@@ -92,8 +92,8 @@ def periodic_points(
         theorems, with nothing left to a resolution, about the formula of the lift with the floats in it; of a sampled
         map about every smooth map within ``max_error`` of its values and ``slope_error`` of its slopes. For smooth
         lifts written with arithmetic, powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, arctan and
-        arctan2, and for maps composed of such. Slopes come from the lift itself, not from ``derivative``. Some
-        thousand cells a second; tangencies are refused, and with them saddle-nodes.
+        arctan2, and for maps composed of such. Slopes come from the lift itself, not from ``derivative``. Takes
+        about 0.1 ms n a cell, and 1 ms n a point; tangencies are refused, and with them saddle-nodes.
     slope_error : for ``proved`` and sampled maps only.
 
     Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells; with

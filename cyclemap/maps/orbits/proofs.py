@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -100,8 +100,10 @@ class _Proof:
                 found.append(self._enclosed(run, level, lap))
             run = cell
         found.sort(key=lambda item: item[0])
+        angles = np.array([theta for theta, _, _, _ in found])
+        bounds = np.array([theta.error_bound for theta, _, _, _ in found])
         return [
-            ProvedPoint(theta, winding, multiplier, self._image(ball, [theta for theta, _, _, _ in found]))
+            ProvedPoint(theta, winding, multiplier, self._image(ball, angles, bounds))
             for theta, winding, multiplier, ball in found
         ]
 
@@ -206,15 +208,15 @@ class _Proof:
         nearest = float(ball.mid()) if value is None else value
         return Estimate(nearest, np.nextafter(float(abs(ball - nearest).upper()), np.inf))
 
-    def _image(self, ball: Ball, angles: list[Estimate]) -> int:
+    def _image(self, ball: Ball, angles: Array, bounds: Array) -> int:
         """The only point whose enclosure meets the image of this one, which is itself one of the points."""
         image = self._iterate(ball, 1).value
         centre, radius = float(image.mid()), float(image.rad()) + 1e-14 * (1.0 + abs(float(image.mid())))
-        gaps = np.remainder(np.array(angles) - centre + np.pi, TWO_PI) - np.pi
-        near = np.flatnonzero(np.abs(gaps) <= radius + np.array([angle.error_bound for angle in angles]))
+        gaps = shorter_way(angles - centre)
+        near = np.flatnonzero(np.abs(gaps) <= radius + bounds)
         if near.size != 1:
             raise ConvergenceError(
-                f"no proof: at least {near.size} of the {len(angles)} points may be the image of one: they lie too "
+                f"no proof: {near.size} of the {angles.size} points may be the image of one: they lie too "
                 "close together for what is known of the map"
             )
         return int(near[0])

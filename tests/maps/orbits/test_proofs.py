@@ -78,14 +78,16 @@ def test_a_hair_beside_a_tangency_is_decided_and_the_tangency_itself_refused():
 
 
 def test_the_proof_finds_what_the_search_finds():
-    """Two routes to 68 points of a folded map, and a lift with every function that takes intervals."""
+    """Two routes to 68 points of a folded map, to those of an expanding one, and of every function with intervals."""
 
     def written(x):
         wave = np.tanh(np.sin(x)) + np.log(2 + np.cos(x)) - np.sqrt(1.5 + np.sin(2 * x)) + 1 / (2 - np.cos(x))
         bent = np.arctan(np.cos(x)) ** 2 + np.arctan2(np.sin(x), 2 + np.cos(x)) - np.exp(np.cos(x)) ** 0.5
         return x + 0.3 * (wave + bent - np.cosh(np.sin(x)) + np.sinh(np.cos(x)) + np.tan(np.sin(x)))
 
-    for searched, period in [(CircleMap.arnold(0.3, 3.0), 6), (CircleMap(written), 1), (CircleMap(written), 2)]:
+    expanding = CircleMap.blaschke([0, 0.4], 0.1)
+    cases = [(CircleMap.arnold(0.3, 3.0), 6), (CircleMap(written), 1), (CircleMap(written), 2), (expanding, 4)]
+    for searched, period in cases:
         found, proved = periodic_points(searched, period), periodic_points(searched, period, proved=True)
         assert found.count == proved.count > 0
         for name in ("winding", "prime_period", "image", "kind"):
@@ -121,6 +123,9 @@ def test_samples_are_proved_of_every_map_within_their_errors():
     sampled = CircleMap.from_samples(angles, sine(angles), sine.derivative(angles), max_error=0.011)
     proved = fixed_points(sampled, proved=True, slope_error=0.055)
     assert len(proved) == 2
+    steep = CircleMap.arnold(0.3, 3.0)
+    folded = CircleMap.from_samples(angles, steep(angles), steep.derivative(angles), max_error=1e-3)
+    assert periodic_points(folded, 3, proved=True, slope_error=0.02).count == periodic_points(steep, 3).count
     random = np.random.default_rng(2)
     for harmonic, phase in zip(random.integers(1, 6, 20), random.uniform(0.0, TWO_PI, 20), strict=True):
 
