@@ -166,8 +166,8 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
     lift = circle_map.formula
     inner: IntervalLift
     if isinstance(lift, CompositeLift):
-        if circle_map.max_error > 0.0:
-            raise InvalidInput("no proof: the map is made of maps with errors; prove of a sampled map itself")
+        if circle_map.max_error > 0.0 or bound > 0.0:
+            raise InvalidInput("no proof: errors of maps made of maps are not followed; prove of a sampled map itself")
         chain = [interval_lift(part, 0.0) for part in lift.maps]
 
         def inner(jet: Jet) -> Jet:

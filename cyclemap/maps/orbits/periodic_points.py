@@ -72,12 +72,7 @@ class PeriodicPoints:
 
 
 def periodic_points(
-    circle_map: CircleMap,
-    period: int,
-    winding: int | None = None,
-    *,
-    proved: bool = False,
-    slope_error: float = 0.0,
+    circle_map: CircleMap, period: int, winding: int | None = None, *, proved: bool = False, slope_error: float = 0.0
 ) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
 
@@ -146,7 +141,8 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
     """The proved points as arrays: their periods follow from their images, their kinds from their multipliers."""
     points = proved_points(circle_map, n, slope_error)
     multipliers = [point.multiplier for point in points]
-    theta, multiplier = np.array([point.theta for point in points]), np.array(multipliers)
+    theta = np.array([point.theta for point in points])
+    multiplier = np.array(multipliers)
     error = np.array([each.error_bound for each in multipliers])
     bound = np.array([point.theta.error_bound for point in points])
     winding = np.array([point.winding for point in points], dtype=np.int64)
@@ -353,12 +349,7 @@ def fixed_points(circle_map: CircleMap, *, proved: bool = False, slope_error: fl
 
 
 def periodic_orbits(
-    circle_map: CircleMap,
-    period: int,
-    winding: int | None = None,
-    *,
-    proved: bool = False,
-    slope_error: float = 0.0,
+    circle_map: CircleMap, period: int, winding: int | None = None, *, proved: bool = False, slope_error: float = 0.0
 ) -> list[Orbit]:
     """All orbits of prime period n, Fⁿ(θ) = θ + 2πw, each once, sorted by their smallest angle.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.interval_lifts import Ball, IntervalLift, Jet, ball_library, interval_lift
 
+_PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
 _START_CELLS = 32
 _MOST_CELLS = 200_000
@@ -61,7 +63,7 @@ def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> lis
     a tangency, or nearly one, is met, or 200,000 cells are not enough.
     """
     flint = ball_library()
-    with flint.ctx.workprec(_BITS):
+    with _PRECISION, flint.ctx.workprec(_BITS):
         proof = _Proof(interval_lift(circle_map, slope_error), period, circle_map.degree, flint.arb)
         proof.check_lift()
         return proof.points()

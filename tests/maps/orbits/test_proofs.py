@@ -112,6 +112,7 @@ def test_maps_of_maps_and_slopes_that_are_not_the_makers():
     assert np.array_equal([o.points[0] for o in twice], periodic_points(half, 2, proved=True).theta)
     lying = CircleMap(lambda x: x + 0.2 - 0.5 * np.sin(x), lambda x: 1 + 0.5 * np.cos(x))
     assert [o.stable for o in fixed_points(lying, proved=True)] == [True, False]
+    refused(fixed_points, nth_iterate(half, 2), proved=True, slope_error=0.1, told="maps made of maps")
     both = compose(CircleMap.blaschke([0, 0]), sine)
     assert periodic_points(both, 3, proved=True).count == 7
 
