@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
@@ -97,8 +98,7 @@ def run_plan(
     console.print(f"picture: {picture}")
     console.print(f"for a robot: {robot}")
     console.print(f"to fill in: {table}")
-    following = " ".join(f"--after {shlex.quote(str(path))}" for path in (*after, table))
-    console.print(f"next: cyclemap plan {shlex.quote(str(object_file))} {following}")
+    console.print(f"next: {_next_command(table)}")
 
 
 def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target: str | None) -> None:
@@ -107,6 +107,24 @@ def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target:
     floor = stem.with_name(f"{stem.name}_measured.toml")
     PeopleConsole().tell(*filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}")
     PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
+
+
+def _next_command(table: Path) -> str:
+    """The command that goes on after a table: what was said of floor, room and question is said again."""
+    context = click.get_current_context()
+    words = ["cyclemap", "plan", str(context.params["object_file"])]
+    for option in context.command.params:
+        name = str(option.name)
+        is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if not is_said or name not in context.params or name in ("object_file", "json_target"):
+            continue
+        given = context.params[name]
+        if given is True:
+            words.append(option.opts[0])
+            continue
+        for value in given if isinstance(given, tuple) else (given,):
+            words += [option.opts[0], str(value)]
+    return shlex.join([*words, "--after", str(table)])
 
 
 def _unused(stem: Path, suffix: str, content: bytes) -> Path:

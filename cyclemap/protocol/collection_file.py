@@ -31,6 +31,7 @@ from cyclemap.mechanics import (
     load_material,
     parse_footprint,
 )
+from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.protocol.setting_table import (
@@ -144,11 +145,6 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
         return {key: _written(setting.unit, setting.of(loop)) for key, setting in shapes.items()}
     if isinstance(found, PatchFootprint):
         return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
-    if isinstance(found, PressedFootprint):
-        raise InvalidInput(
-            "a protocol has no settings for shapes of plate and floor: write it without them, and give the loop a "
-            "PressedFootprint by hand"
-        )
     names = ["corners"] if isinstance(loop.slider.outline, Polygon) else []
     for name in (*names, *(f"grid:{count}" for count in range(2, _LARGEST_GRID + 1))):
         if _same_footprint(found, parse_footprint(name, loop.slider.outline)):
@@ -165,11 +161,18 @@ def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PressedFootprint) and isinstance(other, PressedFootprint):
         bends = np.concatenate([footprint.plate_bend for footprint in (one, other)])
         floors = np.concatenate([footprint.floor_bend for footprint in (one, other)])
-        return _same(bends[:3], bends[3:]) and _same(floors[:3], floors[3:]) and _same(one.centre, other.centre)
+        alike = _same(bends[:3], bends[3:]) and _same(floors[:3], floors[3:]) and _same(one.centre, other.centre)
+        return alike and _same_field(one.field, other.field)
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
         alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
     return one == other
+
+
+def _same_field(one: FloorField | None, other: FloorField | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return _same(one.coefficients, other.coefficients) and _same(one.reach, other.reach)
 
 
 def _same(one: object, other: object) -> bool:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 from functools import partial
 from pathlib import Path
 
@@ -46,10 +47,16 @@ def fill_in(path: Path, material: str) -> None:
 
 
 def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, capsys) -> None:
-    assert run(["plan", "box.toml", "--pushes", "3", "--for", "pushes"]) == 0
+    said = ["--pushes", "3", "--for", "pushes", "--room-mm", "600, 400", "--floor", "unknown"]
+    assert run(["plan", "box.toml", *said]) == 0
     told = capsys.readouterr().out
     assert told.startswith("3 pushes of box that tell most of where pushes end.")
-    assert "next: cyclemap plan box.toml --after out/plan_box.csv" in told
+    # What goes on asks the same again.
+    (following,) = [line for line in told.splitlines() if line.startswith("next: ")]
+    words = shlex.split(following.removeprefix("next: "))
+    assert words[:3] == ["cyclemap", "plan", "box.toml"] and words[-2:] == ["--after", "out/plan_box.csv"]
+    pairs = zip(words[3:-2:2], words[4:-2:2], strict=True)
+    assert sorted(pairs) == sorted(zip(said[::2], said[1::2], strict=True))
     report = json.loads((here / "out/plan_box.json").read_text())
     assert len(report["pushes"]) == 3 and report["floor"] == "unknown"
     counts = [one["pushes"] for one in report["knowledge"]]

@@ -15,7 +15,17 @@ from refusals import refused
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
-from cyclemap.mechanics import DragBack, Ellipse, PatchFootprint, PointFootprint, Polygon, Pusher, SidePush, Slider
+from cyclemap.mechanics import (
+    DragBack,
+    Ellipse,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    PressedFootprint,
+    Pusher,
+    SidePush,
+    Slider,
+)
 from cyclemap.mechanics.footprint import grid_footprint
 from cyclemap.protocol import loop_from_settings, read_protocol, write_protocol
 from cyclemap.protocol.protocol_file import protocol_text
@@ -187,6 +197,14 @@ def test_what_could_not_be_read_back_leaves_the_file_as_it_was(protocol_file) ->
     told = "3 support points are neither corners nor a grid"
     refused(write_protocol, path, replace(LOOP, footprint=odd), None, told=told)
     assert path.read_text() == "before" and list(path.parent.iterdir()) == [path]
+
+
+def test_a_floor_without_the_variation_that_its_material_has_is_refused_not_changed() -> None:
+    """No key says that a floor does not vary with the place: read back, the loop would be another."""
+    loop = CollectionLoop.mit("plywood-floor")
+    assert isinstance(loop.footprint, PressedFootprint)
+    alike = replace(loop, footprint=replace(loop.footprint, field=None))
+    refused(protocol_text, alike, None, told="loop's footprint: leave that as it was")
 
 
 def test_settings_that_a_protocol_gives_make_its_loop_its_noise_among_them(tmp_path) -> None:

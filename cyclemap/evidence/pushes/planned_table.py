@@ -121,8 +121,8 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         filled = [start.x, start.y, start.theta, end.x, end.y, start.theta + shorter_way(end.theta - start.theta), *rod]
         filled += [math.nan] * 3 if back is None else [back.x, back.y, back.theta]
         with_drag += back is not None
-        errors = [float(columns[name][row]) if name in columns else math.nan for name in ERRORS]
-        rows.append([str(columns["object"][row]), columns["push"][row], *filled, *errors])
+        filled += _errors(path, columns, row)
+        rows.append([str(columns["object"][row]), columns["push"][row], *filled])
     if not rows:
         raise DataFileError(
             f"{path}: no push is filled in: measure the object before and after each, and write it down"
@@ -141,11 +141,35 @@ def _numbers(columns: Columns, row: int, names: Sequence[str]) -> list[float]:
     return [float(columns[name][row]) if name in columns else math.nan for name in names]
 
 
+def _place(path: Path, columns: Columns, row: int) -> str:
+    """How a row is called: by the number of its push, where that is not lost."""
+    push = columns["push"][row]
+    return f"{path}, push {push:g}" if math.isfinite(push) else f"{path}, row {row + 1} below the header"
+
+
+def _planned(path: Path, columns: Columns, row: int, names: Sequence[str]) -> list[float]:
+    """What a row has in columns that were planned; DataFileError where that was lost."""
+    values = _numbers(columns, row, names)
+    for name, value in zip(names, values, strict=True):
+        if not math.isfinite(value):
+            raise DataFileError(f"{_place(path, columns, row)}: {name} is no number: leave what was planned as it was")
+    return values
+
+
+def _errors(path: Path, columns: Columns, row: int) -> list[float]:
+    """How far off readings are, mm and degrees; NaN where nothing is said."""
+    errors = _numbers(columns, row, ERRORS)
+    for name, error in zip(ERRORS, errors, strict=True):
+        if error < 0.0 or math.isinf(error):
+            raise DataFileError(f"{_place(path, columns, row)}: {name} is {error:g}: give 0 or more, or nothing")
+    return errors
+
+
 def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose | None:
     """The object's pose in a state, m and rad, by its pose or by its marks; None where neither is filled in."""
     x, y, theta = pose = _numbers(columns, row, pose_columns(state))
     places = _numbers(columns, row, mark_columns(state))
-    where = f"{path}, push {columns['push'][row]:g}"
+    where = _place(path, columns, row)
     for given, names in ((pose, pose_columns(state)), (places, mark_columns(state))):
         empty = [name for name, value in zip(names, given, strict=True) if math.isnan(value)]
         if 0 < len(empty) < len(names):
@@ -154,7 +178,7 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
         return Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
     if math.isnan(places[0]):
         return None
-    marks = np.reshape(_numbers(columns, row, IN_OBJECT[4:]), (2, 2))
+    marks = np.reshape(_planned(path, columns, row, IN_OBJECT[4:]), (2, 2))
     seen = np.reshape(places, (2, 2))
     apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
     reading = _numbers(columns, row, ERRORS[:1])[0]
@@ -174,10 +198,12 @@ def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
         return [1e-3 * place for place in places]
     if not np.isnan(places).all():
         told = f"fill in all of {', '.join(ROD)}, or none"
-        raise DataFileError(f"{path}, push {columns['push'][row]:g}: {told}")
-    first = 1e-3 * np.array(_numbers(columns, row, IN_OBJECT[:2]))
-    length = 1e-3 * float(columns["push_mm"][row])
-    last = first + length * np.array(_numbers(columns, row, IN_OBJECT[2:4]))
+        raise DataFileError(f"{_place(path, columns, row)}: {told}")
+    length, *touch = _planned(path, columns, row, ("push_mm", *IN_OBJECT[:4]))
+    if length <= 0.0:
+        raise DataFileError(f"{_place(path, columns, row)}: push_mm is {length:g}: a push is longer than nothing")
+    first = 1e-3 * np.array(touch[:2])
+    last = first + 1e-3 * length * np.array(touch[2:])
     return [*start.to_world(*first.tolist()), *start.to_world(*last.tolist())]
 
 

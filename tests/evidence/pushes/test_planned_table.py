@@ -109,6 +109,27 @@ def test_what_was_misread_is_refused_with_push_and_state(tmp_path: Path) -> None
     assert not is_planned(path)
 
 
+@pytest.mark.parametrize(
+    ("column", "value", "words"),
+    [
+        ("push_mm", math.nan, "push 2: push_mm is no number"),
+        ("push_mm", -80.0, "push 2: push_mm is -80"),
+        ("way_y", math.inf, "push 2: way_y is no number"),
+        ("mark_b_x_mm", math.nan, "push 2: mark_b_x_mm is no number"),
+        ("error_mm", -1.0, "push 2: error_mm is -1: give 0 or more, or nothing"),
+        ("error_deg", math.inf, "push 2: error_deg is inf"),
+    ],
+)
+def test_what_was_planned_and_is_lost_is_refused_with_push_and_column(
+    tmp_path: Path, column: str, value: float, words: str
+) -> None:
+    path = filled(tmp_path)
+    frame = pd.read_csv(path)
+    frame.loc[1, column] = value
+    frame.to_csv(path, index=False)
+    refused(filled_text, path, told=words, kind=DataFileError)
+
+
 def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(tmp_path: Path) -> None:
     path = filled(tmp_path, "pose")
     frame = pd.read_csv(path)
@@ -116,6 +137,10 @@ def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(tmp
     frame.to_csv(path, index=False)
     table = as_read(path)
     assert np.allclose(table[["tip_x0", "tip_y1"]], (0.01, 0.045)) and "frames_agree" not in table.columns
+    # A row that was added by hand needs nothing that was planned.
+    frame.loc[1, ["push_mm", "rod_x_mm", "way_x", "mark_a_x_mm"]] = math.nan
+    frame.to_csv(path, index=False)
+    assert len(as_read(path)) == len(PUSHES)
 
 
 def test_identification_takes_the_errors_that_the_table_tells_and_frees_no_shift(tmp_path: Path) -> None:
