@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import positive_number, require_room, whole_number
+from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
 from cyclemap.errors import InvalidInput
@@ -54,13 +54,16 @@ def lock_forecast(
 
     sigma : standard deviation (rad) of a cycle's noise. start : rad, the first orientation. seed : of the runs.
     progress : called with the fraction done. Maps are taken as straight between 96 angles. A surface that wears is
-    taken as it is now. Raises InvalidInput for a material without samples, and for fewer than 50 pushes.
+    taken as it is now. Raises InvalidInput for a material without samples, fewer than 50 pushes, and for numbers that
+    make no sense.
     """
     posterior = loop.material.posterior
     if posterior is None:
         raise InvalidInput(f"{loop.material.name} has no samples of what is believed of it: identify it from data")
     count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
     scatter = positive_number("sigma", sigma)
+    first = finite_number("start", start)
+    whole_number("seed", seed, least=0)
     require_room("angles of a forecast", 2.0 * count * _SAMPLES * _RUNS, "forecast fewer pushes")
     chosen = np.unique(np.linspace(0, len(posterior) - 1, min(_SAMPLES, len(posterior))).round().astype(int))
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
@@ -70,7 +73,7 @@ def lock_forecast(
         turns.append(run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta)
         if progress is not None:
             progress(number / len(chosen))
-    paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, start, seed)
+    paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, first, seed)
     resting, where = _rests(paths)
     seen = _orientations(paths)
     centres = clusters(where)
