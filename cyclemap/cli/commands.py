@@ -37,7 +37,7 @@ _QUANTITIES = (
 _TOLERANCE = "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
 _ROTATION_TOLERANCE = "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
 _RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
-_SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
+_SURFACE = "Name or TOML file of the surface. [default: with --protocol isotropic]"
 _TV = "Most total variation of θ0 from uniform, in the long run, at the worst of the range."
 _CONTACT = "Shortest way of the rod in contact, in every push.  [default: two thirds of the push, else one]"
 _MORE = "What the robot can do besides: put the ring elsewhere, turn the object. Repeatable."
@@ -354,7 +354,8 @@ command(
     """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
     table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
 
-    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
+    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With a
+    --material that has samples and one action, it tells the chance that the next 300 pushes lock in, and where. With
     --follow, `--json -` prints a line of JSON for each push.
     """,
     argument("file", type=PATH),

@@ -8,9 +8,20 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.json_report import Json, degrees, direction_deg, multiplier_report, number, numbers_of
+from cyclemap.cli.json_report import (
+    Json,
+    degrees,
+    direction_deg,
+    forecast_report,
+    multiplier_report,
+    number,
+    numbers_of,
+)
 from cyclemap.cli.options import TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.collection.lock_forecast import LockForecast, forecast_from_turns, sampled_turns
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.maps import rest_multiplier
@@ -19,12 +30,15 @@ from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction, ne
 from cyclemap.resets.monitor.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
-from cyclemap.views.sentences import multiplier_sentence
+from cyclemap.views.sentences import ahead_sentence, multiplier_sentence
 
-Chosen = tuple[CycleAction, NextAction]
-Choose = Callable[[BiasMonitor], Chosen | None]
+# What is ahead: the next action of a strategy, or what the next pushes of a loop will bring; None for neither.
+Ahead = tuple[CycleAction, NextAction] | LockForecast | None
+LookAhead = Callable[[BiasMonitor], Ahead]
 # Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below what is recorded.
 _TOLD_SHARES, _TOLERANCE = 10, 1e-3
+# Pushes of a forecast from where the log stands: some hours of the robot's work.
+_PUSHES_AHEAD = 300
 
 
 def run_watch(
@@ -42,11 +56,11 @@ def run_watch(
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
     monitor, reports = BiasMonitor(alarm_rate), list[Any]()
     if not follow:
-        found, choose = feed.look(finished=True), _chooser(protocol, material)
+        found, look_ahead = feed.look(finished=True), _ahead_of(file, protocol, material)
         tell_what_was_read(found.words, found.guessed)
-        _conclude(file, monitor, watch(found.theta, monitor), choose, **results)
+        _conclude(file, monitor, watch(found.theta, monitor), look_ahead, **results)
         return
-    choose, as_json = _chooser(protocol, material), results["json_target"] == "-"
+    look_ahead, as_json = _ahead_of(file, protocol, material), results["json_target"] == "-"
     if not as_json:
         click.echo(f"watching {file} until interrupted (Ctrl-C)", err=True)
     try:
@@ -57,41 +71,58 @@ def run_watch(
             if found.began_anew:
                 click.echo(f"{file} began anew, and so does the watch", err=True)
                 monitor, reports = BiasMonitor(alarm_rate), []
-            for theta in found.theta:
+            for left, theta in zip(reversed(range(len(found.theta))), found.theta, strict=True):
                 before = monitor.report
                 reports.append(monitor.update(theta))
-                _tell(before, reports[-1], theta, choose(monitor), as_json)
+                # From orientations that were left long ago nothing is ahead.
+                ahead = None if left else look_ahead(monitor)
+                _tell(before, reports[-1], theta, ahead, as_json)
             time.sleep(every)
     finally:
         # However following ends the last report is kept, and what ended it goes on.
         if reports:
-            _conclude(file, monitor, reports, choose, **results, quiet=as_json)
+            _conclude(file, monitor, reports, look_ahead, **results, quiet=as_json)
 
 
-def _chooser(protocol: Path | None, material: str | None) -> Choose:
-    """What tells the protocol's next action; InvalidInput where it leaves nothing to choose, or has no protocol."""
-    if protocol is None:
-        if material is not None:
-            raise InvalidInput(f"--material {material} is for --protocol: give the protocol, too, or leave both out")
+def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAhead:
+    """What tells what is ahead; InvalidInput where surface and protocol leave nothing to tell."""
+    if protocol is None and material is None:
         return lambda monitor: None
-    chosen = chosen_collection(LoopOptions(material, protocol, ()))
+    chosen = chosen_collection(LoopOptions(material, protocol, ()), file).simplified()
     loop, strategy = chosen.loop, chosen.strategy
-    if strategy is None or len(strategy.actions) == 1:
+    if strategy is None:
+        return _forecasts(loop, chosen.sigma)
+    if len(strategy.actions) == 1:
         raise InvalidInput(f"{protocol}: there is no action to choose: it needs a [strategy] of two actions or more")
     with progress_bar(f"cycle maps on {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
 
-    def choose(monitor: BiasMonitor) -> Chosen:
+    def choose(monitor: BiasMonitor) -> Ahead:
         found = next_action(maps, monitor.coverage, monitor.path[-1])
         return strategy.actions[found.number], found
 
     return choose
 
 
-def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
-    """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
+def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
+    """Forecasts from the last orientation; the maps of the samples, nearly all of the work, are computed once."""
+    material = loop.material
+    if material.posterior is None or material.wear is not None:
+        why = "has no samples of what is believed of it" if material.posterior is None else "wears as it is used"
+        raise InvalidInput(
+            f"{material.name} {why}: there is no forecast of it, and without a [strategy] of two actions or more in "
+            "--protocol there is no action to choose; leave --material and --protocol out"
+        )
+    with progress_bar(f"cycle maps of what is believed of {material.name}") as report:
+        turns = sampled_turns(loop, report)
+    noise, _ = noises_of(loop, loop.circle_map(_TOLERANCE), sigma)
+    return lambda monitor: forecast_from_turns(turns, noise.sigma, _PUSHES_AHEAD, float(monitor.path[-1]))
+
+
+def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_json: bool) -> None:
+    """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what is ahead."""
     if as_json:
-        told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
+        told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, ahead)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
         return
     news: list[str] = []
@@ -101,34 +132,43 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
         news.append(page.rest_sentence(after) or "θ0 moves on.")
     if int(_TOLD_SHARES * after.coverage.covered) > int(_TOLD_SHARES * before.coverage.covered):
         news.append(f"{page.covered(after.coverage)}.")
-    for line in (*news, *([] if chosen is None else [page.next_action_sentence(*chosen)])):
+    for line in (*news, *_ahead_sentences(ahead, theta)):
         click.echo(f"push {after.push}: {line}")
+
+
+def _ahead_sentences(ahead: Ahead, theta: float) -> tuple[str, ...]:
+    """What to do next, or what the next pushes will bring, from the last orientation (rad) on."""
+    if ahead is None:
+        return ()
+    if isinstance(ahead, LockForecast):
+        return (ahead_sentence(ahead, theta),)
+    return (page.next_action_sentence(*ahead),)
 
 
 def _conclude(
     file: Path,
     monitor: BiasMonitor,
     reports: Sequence[BiasReport],
-    choose: Choose,
+    look_ahead: LookAhead,
     out: Path,
     picture_format: str,
     json_target: str | None,
     quiet: bool = False,
 ) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    last, chosen, rest = reports[-1], choose(monitor), rest_multiplier(monitor.path)
-    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}
+    last, ahead, rest = reports[-1], look_ahead(monitor), rest_multiplier(monitor.path)
+    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, ahead)}
     told["multiplier"] = multiplier_report(rest)
     figure, stem = page.watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
     picture = publish(told, figure, stem, picture_format, None if quiet else json_target)
     if picture is not None and not quiet:
-        following = () if chosen is None else (page.next_action_sentence(*chosen),)
+        following = _ahead_sentences(ahead, monitor.path[-1])
         lines = *page.watch_sentences(last), multiplier_sentence(rest), *following, f"picture: {picture}"
         PeopleConsole().tell(*filter(None, lines))
 
 
-def _report(report: BiasReport, chosen: Chosen | None) -> Json:
-    """What the monitor tells, and what to do next where a strategy is followed."""
+def _report(report: BiasReport, ahead: Ahead) -> Json:
+    """What the monitor tells, and what is ahead."""
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice
     told: Json = {
         "alarm": None,
@@ -153,8 +193,10 @@ def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     if rest is not None:
         where, towards = ([*map(direction_deg, angles)] for angles in (rest.directions, rest.towards))
         told["rest"] = {"began": rest.began, "directions_deg": where, "towards_deg": towards}
-    if chosen is not None:
-        action, found = chosen
+    if isinstance(ahead, LockForecast):
+        told["forecast"] = forecast_report(ahead)
+    elif ahead is not None:
+        action, found = ahead
         lands = {"lands_deg": direction_deg(found.lands), "crowding": number(found.crowding)}
         told["next_action"] = {"number": found.number, "name": action_words(action), **lands}
     return told

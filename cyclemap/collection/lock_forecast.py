@@ -48,31 +48,47 @@ def lock_forecast(
     cycles: int,
     start: float = 0.0,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
 ) -> LockForecast:
     """Return what the next `cycles` pushes of a loop will bring, by its material's posterior.
 
-    sigma : standard deviation (rad) of a cycle's noise. start : rad, the first orientation. seed : of the runs.
-    progress : called with the fraction done. Maps are taken as straight between 96 angles. A surface that wears is
-    taken as it is now. Raises InvalidInput for a material without samples, fewer than 50 pushes, and for numbers that
-    make no sense.
+    All is as of `forecast_from_turns`, on the loop's `sampled_turns`. Raises InvalidInput for a material without
+    samples, and for fewer than 50 pushes.
+    """
+    count = _cycles_ahead(cycles)
+    return forecast_from_turns(sampled_turns(loop), sigma, count, start, seed)
+
+
+def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Array:
+    """Return the turns of a cycle, rad, from 96 angles all around on each of 40 samples of a posterior: (samples, 96).
+
+    They are nearly all of a forecast's work, and serve for forecasts from any orientation. A surface that wears is
+    taken as it is now. progress : called with the fraction done. Raises InvalidInput for a material without samples.
     """
     posterior = loop.material.posterior
     if posterior is None:
         raise InvalidInput(f"{loop.material.name} has no samples of what is believed of it: identify it from data")
-    count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
-    scatter = positive_number("sigma", sigma)
-    first = finite_number("start", start)
-    whole_number("seed", seed, least=0)
-    require_room("angles of a forecast", 2.0 * count * _SAMPLES * _RUNS, "forecast fewer pushes")
     chosen = np.unique(np.linspace(0, len(posterior) - 1, min(_SAMPLES, len(posterior))).round().astype(int))
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     theta = TWO_PI * np.arange(_NODES) / _NODES
-    turns = []
-    for number, index in enumerate(chosen.tolist(), 1):
-        turns.append(run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta)
+    turns = np.empty((len(chosen), _NODES))
+    for row, index in enumerate(chosen.tolist()):
+        turns[row] = run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta
         if progress is not None:
-            progress(number / len(chosen))
+            progress((row + 1) / len(chosen))
+    return turns
+
+
+def forecast_from_turns(turns: Array, sigma: float, cycles: int, start: float = 0.0, seed: int = 0) -> LockForecast:
+    """Return what the next `cycles` pushes will bring.
+
+    turns : of `sampled_turns`; taken as straight between their angles. sigma : standard deviation (rad) of a cycle's
+    noise. start : rad, the first orientation. seed : of the runs. Raises InvalidInput for fewer than 50 pushes,
+    and for numbers that make no sense.
+    """
+    count = _cycles_ahead(cycles)
+    scatter = positive_number("sigma", sigma)
+    first = finite_number("start", start)
+    whole_number("seed", seed, least=0)
     paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, first, seed)
     resting, where = _rests(paths)
     seen = _orientations(paths)
@@ -84,7 +100,14 @@ def lock_forecast(
         directions.append((centre, own.size / len(resting), float(np.quantile(own, LEVEL))))
     directions.sort(key=lambda one: -one[1])
     low, middle, high = np.quantile(seen, (0.5 - LEVEL / 2.0, 0.5, 0.5 + LEVEL / 2.0)).tolist()
-    return LockForecast(count, float(resting.mean()), tuple(directions), (middle, low, high), len(chosen))
+    return LockForecast(count, float(resting.mean()), tuple(directions), (middle, low, high), len(turns))
+
+
+def _cycles_ahead(cycles: int) -> int:
+    """The pushes of a forecast, enough to lock in and not too many to hold."""
+    count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
+    require_room("angles of a forecast", 2.0 * count * _SAMPLES * _RUNS, "forecast fewer pushes")
+    return count
 
 
 def _paths(turns: Array, sigma: float, cycles: int, start: float, seed: int) -> Array:

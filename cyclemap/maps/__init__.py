@@ -14,7 +14,7 @@ Estimate : a number and a bound on its error
 Orbits
 ------
 fixed_points, periodic_orbits, Orbit : each orbit once, with multiplier and kind
-periodic_points, PeriodicPoints : all points of a period as arrays
+periodic_points, PeriodicPoints : all points of a period as arrays; proved=True makes number and bounds theorems
 crossings_by_jump, JumpCrossing : where a jump passes the diagonal without a fixed point
 basins, Basin : which θ tend to which stable orbit
 slow_passages, SlowPassage : bottlenecks, as a saddle-node leaves them

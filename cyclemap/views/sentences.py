@@ -90,8 +90,11 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     return f"Of what the data on {name} allow, {of} have a stable direction ({how}){where}."
 
 
-def ahead_sentence(forecast: LockForecast | None) -> str:
-    """What the next pushes will bring, of all that is believed; empty where that is not known."""
+def ahead_sentence(forecast: LockForecast | None, start: float | None = None) -> str:
+    """What the next pushes will bring, of all that is believed; empty where that is not known.
+
+    start : rad, the orientation that they start from, where it is to be said.
+    """
     if forecast is None:
         return ""
     likely = []
@@ -103,7 +106,8 @@ def ahead_sentence(forecast: LockForecast | None) -> str:
     middle, low, high = forecast.orientations
     locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
     seen = f"{middle:.0f} of {ORIENTATIONS} orientations will have been seen ({low:.0f} to {high:.0f})"
-    return f"Of all that is believed, within {forecast.cycles} pushes {locks}; {seen}."
+    lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
+    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {seen}."
 
 
 def _ends(one: DirectionInterval) -> str:

@@ -109,7 +109,7 @@ BAD_USES = [
     (["watch", "own.csv"], "say which, --columns theta0=NAME; it has speed, force"),
     (["watch", "far.csv"], "far.csv, line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
     (["watch", "measured.csv", "--protocol", "plain.toml"], "there is no action to choose"),
-    (["watch", "measured.csv", "--material", "plywood"], "--material plywood is for --protocol"),
+    (["watch", "measured.csv", "--material", "plywood"], "plywood has no samples of what is believed of it"),
 ]
 FRICTION = "[friction]\nmu_a = 0.3\nmu_b = 0.3\n"
 

@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
+import cyclemap as cm
 from cyclemap.cli import run_watch as module
 from cyclemap.cli.main import run
 from cyclemap.cli.options import TableOptions
+from cyclemap.collection.lock_forecast import lock_forecast, sampled_turns
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
@@ -168,3 +170,40 @@ def test_a_protocol_tells_which_action_to_take_next(here, capsys, report_of) -> 
     assert chosen["name"] == cycles[chosen["number"]]["action"]["name"]
     assert run(asked) == 0
     assert f"Next: {chosen['name']}; it brings θ0 to {chosen['lands_deg']:.0f}°" in capsys.readouterr().out
+
+
+SAMPLED = """[friction]
+mu_a = 0.25
+mu_b = 0.25
+[posterior]
+parameters = ["mu_a", "mu_b", "m0"]
+samples = [[0.2545, 0.2346, 0.0325], [0.25, 0.25, 0.0]]
+"""
+
+
+def test_a_surface_with_samples_tells_what_is_ahead_of_where_the_log_stands(here, capsys, monkeypatch) -> None:
+    """After every look the forecast of the loop from the last orientation, on maps that are computed once."""
+    (here / "slate.toml").write_text(SAMPLED)
+    file = data_file(here)
+    computed = []
+
+    def counted(loop, report):
+        computed.append(sampled_turns(loop, report))
+        return computed[-1]
+
+    monkeypatch.setattr(module, "sampled_turns", counted)
+    grown(monkeypatch, append(file, "200\n"), append(file, "10\n340\n"))
+    asked = ["watch", str(file), "--material", "slate.toml"]
+    assert run([*asked, *FOLLOW, "--json", "-"]) == 130
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert len(lines) == len(LOCKED) + 3 and len(computed) == 1
+    ahead = [(line["theta0_deg"], line["forecast"]) for line in lines if "forecast" in line]
+    assert [theta_deg for theta_deg, _ in ahead] == pytest.approx([LOCKED[-1], 200.0, 340.0])
+    loop, sigma = cm.CollectionLoop.mit("slate.toml"), math.radians(1.1)
+    for theta_deg, told in ahead:
+        expected = lock_forecast(loop, sigma, 300, math.radians(theta_deg))
+        assert told["cycles"] == 300 and told["chance_of_lock_in"] == expected.chance
+        assert [told["orientations_of_36"][key] for key in ("median", "lower", "upper")] == [*expected.orientations]
+    assert json.loads((here / "out" / "watch_my_run.json").read_text())["forecast"] == ahead[-1][1]
+    assert run(asked) == 0
+    assert "From 340.0° on, of all that is believed, within 300 pushes the loop locks in" in capsys.readouterr().out

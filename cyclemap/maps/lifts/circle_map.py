@@ -51,7 +51,8 @@ class CircleMap:
     max_error : a bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact map.
 
     Attributes: ``breaks`` (sorted, in [0, 2π)), ``degree``, ``max_error``, ``samples`` (number of sample
-    points; 0 for a map given by formulas). The value never changes after construction.
+    points; 0 for a map given by formulas), ``formula`` (the lift as it was given). The value never changes after
+    construction.
 
     Raises InvalidInput when the lift is not a lift of that degree, jumps by more than π where no break is
     given (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at 89 points and beside
@@ -70,6 +71,7 @@ class CircleMap:
     max_error: float
     samples: int
     pieces: PiecewiseCubic | None
+    formula: Lift
     _lift: Lift
     _derivative: Lift | None
     _scalar: Scalar | None
@@ -88,6 +90,7 @@ class CircleMap:
             max_error=non_negative_number("max_error", max_error),
             samples=0,
             pieces=None,
+            formula=lift,
             _lift=guarded("lift", lift, True),
             _derivative=None if derivative is None else guarded("derivative", derivative, False),
             _scalar=None,

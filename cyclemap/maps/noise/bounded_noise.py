@@ -139,7 +139,8 @@ class VonMises:
         """Density per radian; on the line 0 outside [-π, π]."""
         from scipy.special import i0e
 
-        half = np.sin(0.5 * np.asarray(x, dtype=np.float64))
+        within = np.clip(x, -np.pi, np.pi) if lifted else np.asarray(x, dtype=np.float64)  # x may be infinite then
+        half = np.sin(0.5 * within)
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
         return np.asarray(np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density)
 

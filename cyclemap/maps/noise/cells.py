@@ -66,6 +66,8 @@ class Cells:
             return _without_rounding(self.below(end) - self.below(start))
         shift = TWO_PI * np.floor(self.low / TWO_PI)
         low, high = self.low - shift, self.high - shift
+        if start.size == 0:
+            return np.zeros((low.size, 0))
         first = int(np.floor((-self.halfwidth - np.max(end)) / TWO_PI))
         last = int(np.ceil((np.max(high) + self.halfwidth - np.min(start)) / TWO_PI))
         total = np.zeros((low.size, start.size))

@@ -14,10 +14,11 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.operator.wave_integrals import wave_integrals
 from cyclemap.maps.quadrature import circle_rule
 
 MAX_MODES = 2_000
-MAX_WORK = 2e12  # multiplications, some minutes
+MAX_WORK = 2e12  # multiplications of plain sums: how fine a map may be for its noise
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 
@@ -185,7 +186,7 @@ class FourierDiscretisation:
 
     @property
     def work(self) -> float:
-        """Multiplications that ``matrix`` takes."""
+        """Multiplications that the plain sums of ``matrix`` take; ``wave_integrals`` does with fewer."""
         return float(self.size) ** 2 * self.rule[0].size
 
     @cached_property
@@ -206,10 +207,8 @@ class FourierDiscretisation:
                 f"{self.modes} modes on {self.rule[0].size} nodes take {self.work:.2g} multiplications, more than "
                 f"{MAX_WORK:.2g}: the map has too fine a structure for so small a noise; raise the noise"
             )
-        _, weight = self.rule
-        matrix = np.zeros((self.size, self.size))
-        for (part, before), (_, after) in zip(self._before, self._after, strict=True):
-            matrix += after @ (before * weight[part]).T
+        theta, weight = self.rule
+        matrix = wave_integrals(theta, weight, self.map(theta), self.modes)
         matrix *= self.kappa[:, None] * self._scale
         matrix[0] = self.mass
         return matrix

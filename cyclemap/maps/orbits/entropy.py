@@ -16,6 +16,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP
 
 ITERATES = 60
+_MOST_CELLS = 3_000  # of the graph, whose eigenvalues are found whole
 _LOST = 1e-3  # radians: an image known no better is given up
 _CLOSED = 1e-9  # radians: an image that meets a fold to so much closes its orbit
 _ROUNDING = 1e-12  # of the entropy: of eigenvalues and of orbits that close to rounding
@@ -101,9 +102,13 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     ----------
     iterates : how many images of every fold are followed at most.
 
+    Returns
+    -------
+    The middle of the two bounds, with half their distance as ``error_bound``.
+
     Raises
     ------
-    InvalidInput for lifts with jumps or plateaus.
+    InvalidInput for lifts with jumps or plateaus, and where the orbits of the folds have more than 3,000 points.
 
     Notes
     -----
@@ -135,7 +140,13 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
         low = max(least, _log_growth(folds, inner, up=False))
         return low, max(low, _log_growth(folds, outer, up=True))
 
-    plain = [folds.itinerary(k, most) for k in range(len(folds.parts))]
+    plain = [folds.itinerary(k, min(most, _MOST_CELLS)) for k in range(len(folds.parts))]
+    size = sum(len(route.letters) for route in plain)
+    if size > _MOST_CELLS:
+        raise InvalidInput(
+            f"iterates is {most}: the orbits of {len(plain)} folds have {size} points or more, more than "
+            f"{_MOST_CELLS}; take fewer"
+        )
     known = np.full(len(plain), circle_map.max_error)
     nearly = np.array([route.closes is not None and not route.exactly for route in plain])
     lower, upper = bounds(known)

@@ -73,9 +73,10 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     -----
     ν K = λ ν by repeated squaring of the chain on Nyström's nodes: sums of positive terms, so that small chances keep
     their digits, and 1 - λ is ν's chance of leaving in a cycle, never a difference. ``error_bound``: ten times the
-    difference from other nodes, measured, and to first order what the map's ``max_error`` may change: ε ∫ν|∂/∂F| of
-    the chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean. (Collet, Martínez &
-    San Martín, Quasi-Stationary Distributions, 2013.)
+    difference from other nodes, measured, and what the map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of
+    the chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean; or what the maps
+    change that are off by ±ε with the signs of ∂/∂F, where that is more. (Collet, Martínez & San Martín,
+    Quasi-Stationary Distributions, 2013.)
 
     Examples
     --------
@@ -89,9 +90,9 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
         killed_chain(circle_map, noise, (ends,), None, True, every_sample=every, stretch=stretch)
         for every, stretch in ((False, _OTHER), (True, 1.0))
     )
-    mass, rates = _lasting(chain)
+    mass, rates = _lasting(chain, chain.images)
     total = float(rates.sum())
-    others = _lasting(other)[1]
+    others = _lasting(other, other.images)[1]
     own = _APART * abs(float(others.sum()) - total) + ELIMINATION * total
     if not own <= _ACCEPTED * total:
         raise ConvergenceError(
@@ -100,17 +101,28 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
         )
     shares = rates / total
     share_error = _APART * float(np.abs(others / others.sum() - shares).max()) + ELIMINATION
-    slopes = _slopes(chain, mass, rates)
-    epsilon = circle_map.max_error
-    rate = Estimate(total, own + epsilon * float(mass @ np.abs(slopes.sum(axis=0))))
-    moved = epsilon * float(mass @ np.abs(slopes[0] * shares[1] - slopes[1] * shares[0])) / total
-    below, above = (Estimate(float(share), share_error + moved) for share in shares)
-    return QuasiStationary(rate, below, above, chain, mass)
+    of_rate, of_share = _moved_by_map(chain, mass, rates) if circle_map.max_error > 0.0 else (0.0, 0.0)
+    below, above = (Estimate(float(share), share_error + of_share) for share in shares)
+    return QuasiStationary(Estimate(total, own + of_rate), below, above, chain, mass)
 
 
-def _lasting(chain: KilledChain) -> tuple[Array, Array]:
-    """The quasi-stationary chances of the nodes, (n,), and with them those of leaving in a cycle by each exit."""
-    moves = chain.transitions(chain.images)
+def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float, float]:
+    """How much the escape rate and the shares of the exits may change by the map's ``max_error``."""
+    total, epsilon = rates.sum(), chain.map.max_error
+    slopes, shares = _slopes(chain, mass, rates), rates / total
+    found = []
+    for slope in (slopes.sum(axis=0), (slopes[0] * shares[1] - slopes[1] * shares[0]) / total):
+        moved = [_lasting(chain, chain.images + way * epsilon * np.sign(slope))[1] for way in (-1.0, 1.0)]
+        first_order = epsilon * float(mass @ np.abs(slope))
+        of_rate = max(abs(float(ways.sum() - total)) for ways in moved)
+        of_share = max(float(np.abs(ways / ways.sum() - shares).max()) for ways in moved)
+        found.append((max(first_order, of_rate), max(first_order, of_share)))
+    return found[0][0], found[1][1]
+
+
+def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
+    """The quasi-stationary chances of the nodes, (n,), and those of leaving in a cycle by each exit; F at the nodes."""
+    moves = chain.transitions(images)
     power, mass = moves, np.full(chain.theta.size, 1.0 / chain.theta.size)
     for _ in range(_SQUARINGS):
         after = mass @ power
@@ -126,7 +138,7 @@ def _lasting(chain: KilledChain) -> tuple[Array, Array]:
         after /= after.sum()
         settled, mass = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING), after
         if settled:
-            return mass, chain.departures(chain.images) @ mass
+            return mass, chain.departures(images) @ mass
     raise ConvergenceError("the path keeps turning in the arc or stays in several parts of it: take a shorter arc")
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
+from cyclemap.maps.estimate import ANGLE
 
 LAST = 100
 _LEAST = 20
@@ -38,7 +39,8 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
     """The multiplier of the rest of the last cycles of a path, with its interval; None where they do not rest.
 
     theta : shape (n,), radians, on the lift or not. last : how many cycles are looked at, 20 or more. They rest where
-        the shortest arc that holds them is less than a quarter of a turn; fewer than 20 are too few.
+        the shortest arc that holds them is less than a quarter of a turn; fewer than 20 are too few, and spreads of
+        1e-13 rad are rounding.
 
     Beside a stable point θ' = θ* + λ(θ - θ*) + ξ: the regression of each angle on the one before falls short of λ by
     some (1 + 3λ)/n (Kendall 1954), and its distribution is skew as λ nears 1, so that interval and value come from
@@ -60,7 +62,7 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
     path = path[-count - 1 :]
     middle = float(np.angle(np.mean(np.exp(1j * path))))
     away = np.mod(path - middle + np.pi, TWO_PI) - np.pi
-    if float(np.ptp(away)) >= _RESTS or float(np.ptp(away)) == 0.0:
+    if not ANGLE < float(np.ptp(away)) < _RESTS:
         return None
     seen = float(_regression(away[None])[0])
     below, median, above = _quantiles(path.size)

@@ -124,3 +124,9 @@ def test_maps_that_do_not_expand_are_refused_without_noise():
         transfer_operator(DOUBLING, None).eigenvalues(2)
     with pytest.raises(InvalidInput, match="leave it out"):
         transfer_operator(DOUBLING, UniformNoise(1.0), modes=30)
+
+
+def test_densities_have_the_shape_of_the_angles():
+    law = transfer_operator(CircleMap.arnold(0.1, 0.9), UniformNoise(0.3))
+    for shape in ((0,), (2, 0, 3), (1, 2), ()):
+        assert law.density(np.zeros(shape)).shape == shape

@@ -100,14 +100,17 @@ def test_large_operators_have_every_eigenvalue_as_often_as_it_is_there(turns):
 
 @pytest.mark.parametrize("turns", [0.0, 0.5])
 def test_vectors_of_double_eigenvalues_of_large_operators_are_biorthogonal(turns):
-    """A rotation commutes with its adjoint: were a left vector beside both copies, conditions would be far above 1."""
+    """A rotation commutes with its adjoint: were a left vector beside both copies, conditions would be far above 1.
+
+    Of two copies an iteration finds any two vectors of their plane, hardly ever at right angles: that is in them, too.
+    """
     noise = WrappedNormal(0.04)
     law = transfer_operator(CircleMap.rigid(turns), noise)
     assert law.discretisation.size > 320
     for count in (9, 10):  # the latter ends between two copies
         found = law.spectrum(count)
         np.testing.assert_allclose(found.left.T @ found.right, np.eye(count), atol=1e-9)
-        np.testing.assert_allclose(found.condition, 1.0, atol=0.1)
+        np.testing.assert_allclose(found.condition, 1.0, atol=0.5)
         known = noise.coefficients((np.arange(count) + 1) // 2)
         assert np.all(np.abs(np.abs(found.values) - known) <= found.error_bounds + 1e-14)
         assert np.all(found.error_bounds < 1e-13)

@@ -119,3 +119,8 @@ def test_jumps_are_refused():
         topological_entropy(DROPPING)
     with pytest.raises(InvalidInput, match="give a CircleMap"):
         kneading_sequences("map")
+
+
+def test_more_points_than_can_be_solved_for_are_refused():
+    with pytest.raises(InvalidInput, match="iterates is 1000000"):
+        topological_entropy(CircleMap.arnold(0.0, 1.5), iterates=1_000_000)

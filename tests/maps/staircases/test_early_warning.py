@@ -39,5 +39,7 @@ def test_what_does_not_rest_has_none():
     assert rest_multiplier(np.linspace(0.0, 6.0, 101)) is None
     assert rest_multiplier(np.zeros(10)) is None
     assert rest_multiplier(np.zeros(101)) is None
+    assert rest_multiplier(1e-200 * np.arange(40)) is None
+    assert rest_multiplier(np.pi + 1e-16 * np.arange(50)) is None
     refused(rest_multiplier, [0.0] * 30, 5, told="last must be at least 20")
     refused(rest_multiplier, [np.nan] * 30, told="finite")

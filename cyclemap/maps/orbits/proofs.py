@@ -1,0 +1,224 @@
+"""Proofs of periodic points: their exact number and enclosures, by bisection and monotonicity in ball arithmetic.
+
+A turn is cut into cells. On a cell either Fⁿ - id is proved to keep between two neighbouring multiples of 2π, or its
+slope is proved not to vanish; else the cell is halved. Between cells of the first kind the curve is strictly monotone,
+so the whole turns on its two sides count its crossings exactly, each of one point (Moore, Kearfott & Cloud 2009).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from threading import RLock
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.interval_lifts import Ball, IntervalLift, Jet, ball_library, interval_lift
+
+_PRECISION = RLock()  # the library's precision is one for all threads
+_BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
+_START_CELLS = 32
+_MOST_CELLS = 200_000
+_NARROWEST = 1e-13  # radians: a cell this narrow that decides nothing holds a tangency, or nearly one
+_CUTS = (0.0131, 1.6127, 3.1923, 4.7719, 5.5512, 2.3456)  # where a turn may be cut: no number of mathematics
+_SEAM = 1e-12  # radians on both sides of the cut that must be free of points
+_NEWTON_STEPS = 300
+
+
+@dataclass(frozen=True)
+class ProvedPoint:
+    """A point with Fⁿ(θ) = θ + 2πw that is there, alone within its error bound.
+
+    theta : radians in [0, 2π). winding : w. multiplier : (Fⁿ)' there. image : index of the point that F maps it to.
+    """
+
+    theta: Estimate
+    winding: int
+    multiplier: Estimate
+    image: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Cell:
+    """[start, end] and what is proved of Fⁿ - id on it: its sign of slope, or the whole turns that it keeps above."""
+
+    start: float
+    end: float
+    sign: int
+    turns: int
+
+
+def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> list[ProvedPoint]:
+    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, sorted: that there are so many, and where, is a theorem.
+
+    Of a formula it is one about the formula with the floats that are written in it, π being the true one where numpy's
+    functions bring it in; of a sampled map, about every smooth map within ``max_error`` and ``slope_error`` of it.
+
+    Raises InvalidInput when the lift does not take intervals, or is no lift in exact arithmetic; ConvergenceError when
+    a tangency, or nearly one, is met, or 200,000 cells are not enough.
+    """
+    flint = ball_library()
+    with _PRECISION, flint.ctx.workprec(_BITS):
+        proof = _Proof(interval_lift(circle_map, slope_error), period, circle_map.degree, flint.arb)
+        proof.check_lift()
+        return proof.points()
+
+
+@dataclass(frozen=True, eq=False)
+class _Proof:
+    lift: IntervalLift
+    period: int
+    degree: int
+    arb: Any
+
+    def check_lift(self) -> None:
+        """Refuse constants that make F(θ + 2π) - F(θ) anything but 2π·degree."""
+        for theta in _CUTS:
+            low, high = self._iterate(self.arb(theta), 1), self._iterate(theta + 2 * self.arb.pi(), 1)
+            climb = (high.value - low.value) / (2 * self.arb.pi())
+            if not climb.overlaps(self.arb(self.degree)):
+                raise InvalidInput(
+                    f"no proof: in exact arithmetic F(θ + 2π) - F(θ) is {climb.str(20, radius=False)} turns at "
+                    f"θ = {theta:g}, not {self.degree}: a constant of the lift, such as a rounded π, must cancel"
+                )
+
+    def points(self) -> list[ProvedPoint]:
+        """Every crossing between cells that keep off the multiples of 2π, in order."""
+        lap = self.degree**self.period - 1
+        cut, turns = self._cut()
+        cells = [*self._cells(cut), _Cell(cut + TWO_PI, cut + TWO_PI, 0, turns + lap)]
+        found = []
+        run = _Cell(cut, cut, 0, turns)
+        for cell in cells:
+            if cell.sign:
+                run = _Cell(run.start if run.sign else cell.start, cell.end, cell.sign, run.turns)
+                continue
+            for level in range(min(run.turns, cell.turns) + 1, max(run.turns, cell.turns) + 1):
+                found.append(self._enclosed(run, level, lap))
+            run = cell
+        found.sort(key=lambda item: item[0])
+        angles = np.array([theta for theta, _, _, _ in found])
+        bounds = np.array([theta.error_bound for theta, _, _, _ in found])
+        return [
+            ProvedPoint(theta, winding, multiplier, self._image(ball, angles, bounds))
+            for theta, winding, multiplier, ball in found
+        ]
+
+    def _iterate(self, theta: Ball, times: int) -> Jet:
+        jet = Jet(theta, self.arb(1))
+        for _ in range(times):
+            jet = self.lift(jet)
+        return jet
+
+    def _displacement(self, theta: Ball) -> Jet:
+        """Fⁿ - id and its slope, in turns and turns a radian."""
+        jet = self._iterate(theta, self.period)
+        return Jet((jet.value - theta) / (2 * self.arb.pi()), (jet.slope - 1) / (2 * self.arb.pi()))
+
+    def _judged(self, start: float, end: float) -> _Cell | None:
+        """What is proved on [start, end], by the mean value theorem; None where nothing is."""
+        middle, cell = self.arb(0.5 * (start + end)), self.arb(start).union(self.arb(end))
+        slope = self._displacement(cell).slope
+        value = self._displacement(middle).value + slope * (cell - middle)
+        if not value.contains_integer():
+            return _Cell(start, end, 0, int(value.floor().unique_fmpz()))
+        if not slope.contains(0):
+            return _Cell(start, end, 1 if slope > 0 else -1, 0)
+        return None
+
+    def _cut(self) -> tuple[float, int]:
+        """An angle beside which there is no point, and the whole turns below Fⁿ - id there."""
+        for cut in _CUTS:
+            cell = self._judged(cut - _SEAM, cut + _SEAM)
+            if cell is not None and cell.sign == 0:
+                return cut, cell.turns
+        raise ConvergenceError(
+            f"no proof: Fⁿ - id cannot be told from a multiple of 2π at any of {len(_CUTS)} angles: a whole arc may be "
+            "fixed, or the errors of the map leave nothing to prove"
+        )
+
+    def _cells(self, cut: float) -> list[_Cell]:
+        """The decided cells of the turn from ``cut``, in order; the last ends a little beyond it."""
+        edges = np.linspace(cut, cut + TWO_PI + 0.5 * _SEAM, _START_CELLS + 1).tolist()
+        waiting = list(pairwise(edges))[::-1]
+        decided: list[_Cell] = []
+        for _ in range(_MOST_CELLS):
+            if not waiting:
+                return decided
+            start, end = waiting.pop()
+            cell = self._judged(start, end)
+            if cell is not None:
+                decided.append(cell)
+                continue
+            if end - start < _NARROWEST:
+                raise ConvergenceError(
+                    f"no proof: at θ = {start % TWO_PI:.9g} F^{self.period} - id meets a multiple of 2π and its slope "
+                    "vanishes, or both so nearly that they cannot be told apart: a tangency (saddle-node) is no matter "
+                    "of intervals; prove on either side of it"
+                )
+            middle = 0.5 * (start + end)
+            waiting += [(middle, end), (start, middle)]
+        covered = waiting[-1][0] - cut
+        raise ConvergenceError(
+            f"no proof within {_MOST_CELLS:,} cells, which have come {covered:.3g} of {TWO_PI:.3g} radians far: "
+            f"F^{self.period} is too steep, or the errors of the map are too large"
+        )
+
+    def _enclosed(self, run: _Cell, level: int, lap: int) -> tuple[Estimate, int, Estimate, Ball]:
+        """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball that holds it."""
+        low, high = self.arb(run.start), self.arb(run.end)
+        theta = (low + high).mid() / 2
+        tolerance = self.arb(2) ** (-_BITS // 2)
+        for _ in range(_NEWTON_STEPS):
+            jet = self._displacement(theta)
+            residual = jet.value.mid() - level
+            if run.sign * residual > 0:
+                high = theta
+            else:
+                low = theta
+            moved = (theta - residual / jet.slope.mid()).mid()
+            if not (low < moved and moved < high):
+                moved = ((low + high) / 2).mid()
+            step, theta = abs(moved - theta), moved
+            if step < tolerance:
+                break
+        # Widened until the two sides are proved to differ; the ends of the run are known to.
+        half = tolerance
+        while True:
+            left, right = (theta - half).mid(), (theta + half).mid()
+            below = left <= run.start or run.sign * (self._displacement(left).value - level) < 0
+            above = right >= run.end or run.sign * (self._displacement(right).value - level) > 0
+            if below and above:
+                break
+            half = 4 * half
+        ball = max(left, self.arb(run.start)).union(min(right, self.arb(run.end)))
+        multiplier = self._iterate(ball, self.period).slope
+        turns = int(np.floor(float(ball.mid()) / TWO_PI))
+        base = ball - 2 * self.arb.pi() * turns
+        if base < 0 or not base < 2 * self.arb.pi():
+            turns += -1 if base < 0 else 1
+            base = ball - 2 * self.arb.pi() * turns
+        angle = min(max(float(base.mid()), 0.0), np.nextafter(TWO_PI, 0.0))
+        return self._estimate(base, angle), level - turns * lap, self._estimate(multiplier), ball
+
+    def _estimate(self, ball: Ball, value: float | None = None) -> Estimate:
+        nearest = float(ball.mid()) if value is None else value
+        return Estimate(nearest, np.nextafter(float(abs(ball - nearest).upper()), np.inf))
+
+    def _image(self, ball: Ball, angles: Array, bounds: Array) -> int:
+        """The only point whose enclosure meets the image of this one, which is itself one of the points."""
+        image = self._iterate(ball, 1).value
+        centre, radius = float(image.mid()), float(image.rad()) + 1e-14 * (1.0 + abs(float(image.mid())))
+        gaps = shorter_way(angles - centre)
+        near = np.flatnonzero(np.abs(gaps) <= radius + bounds)
+        if near.size != 1:
+            raise ConvergenceError(
+                f"no proof: {near.size} of the {angles.size} points may be the image of one: they lie too "
+                "close together for what is known of the map"
+            )
+        return int(near[0])
