@@ -147,6 +147,10 @@ class Real(click.FloatRange):
             self.fail("nan is in no range", param, ctx)
         return found
 
+    def _describe_range(self) -> str:
+        """The range as the help has it, of which there is none to tell where any number will do."""
+        return "any" if self.min is None and self.max is None else super()._describe_range()
+
 
 def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> Any:
     try:

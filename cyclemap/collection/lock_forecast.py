@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import positive_number, require_room, whole_number
+from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
 from cyclemap.errors import InvalidInput
@@ -82,11 +82,14 @@ def forecast_from_turns(turns: Array, sigma: float, cycles: int, start: float = 
     """Return what the next `cycles` pushes will bring.
 
     turns : of `sampled_turns`; taken as straight between their angles. sigma : standard deviation (rad) of a cycle's
-    noise. start : rad, the first orientation. seed : of the runs. Raises InvalidInput for fewer than 50 pushes.
+    noise. start : rad, the first orientation. seed : of the runs. Raises InvalidInput for fewer than 50 pushes,
+    and for numbers that make no sense.
     """
     count = _cycles_ahead(cycles)
     scatter = positive_number("sigma", sigma)
-    paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, start, seed)
+    first = finite_number("start", start)
+    whole_number("seed", seed, least=0)
+    paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, first, seed)
     resting, where = _rests(paths)
     seen = _orientations(paths)
     centres = clusters(where)

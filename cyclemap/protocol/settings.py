@@ -99,7 +99,7 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
     loop = base or CollectionLoop.mit()
     for key in settings:
         if key not in SETTINGS:
-            raise unknown_name("setting", key, [known for known in SETTINGS if known != NOISE_KEY])
+            raise unknown_name("setting", str(key), [known for known in SETTINGS if known != NOISE_KEY])
     with _blaming(settings, "slider"):
         slider = _slider(loop.slider, settings)
     with _blaming(settings, "material"):

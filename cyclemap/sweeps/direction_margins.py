@@ -81,9 +81,23 @@ def direction_margins(
 ) -> tuple[DirectionMargin, ...]:
     """Return how far a loop is from losing or gaining a stable direction along each of its settings, nearest first.
 
+    Parameters
+    ----------
+    loop : the set-up.
     keys : settings, all that have a usual range by default, each alone being changed within that range.
-    `progress` is called with the fraction done.
+    progress : called with the fraction done.
 
+    Returns
+    -------
+    tuple of DirectionMargin
+
+    Raises
+    ------
+    InvalidInput
+        For an unknown key, or one without a usual range or a value here.
+
+    Notes
+    -----
     The stable directions are counted at 1/32, 1/8, 1/4, 1/2, 3/4 and all of the way to either end of the range; between
     the first two that differ, f(θ) = θ with f'(θ) = 1, or -1, is solved for θ and the setting by Newton's method on
     cycles good to 1e-10, and held only where the number changes across it; else halving encloses the change. So a
@@ -91,24 +105,24 @@ def direction_margins(
     count. Bounds are of first order in the errors of a cycle (1e-9 rad) and of its slope (1e-6), and of the difference
     steps; those of a "kink" enclose.
 
-    Raises InvalidInput for an unknown key, or one without a usual range or a value here.
-
+    Examples
+    --------
     >>> ring, rod = direction_margins(CollectionLoop.mit(), ("hitch_x_mm", "pusher_mu"))
     >>> ring.nearest.kind, ring.nearest.directions, round(1000 * ring.nearest.value, 4), rod.nearest
     ('saddle-node', 0, -6.2714, None)
     """
     require_loop(loop)
     report = progress or (lambda fraction: None)
-    known = [one for one in SETTINGS.values() if _value(one, loop) is not None]
+    known = [setting for setting in SETTINGS.values() if _value(setting, loop) is not None]
     chosen = known if keys is None else [setting_named(key) for key in keys]
-    for one in chosen:
-        if one not in known:
+    for setting in chosen:
+        if setting not in known:
             raise InvalidInput(
-                f"{one.key} has no usual range or no value here: ask for some of "
+                f"{setting.key} has no usual range or no value here: ask for some of "
                 f"{', '.join(other.key for other in known)}"
             )
     count = len(stable_points([replace(loop, accuracy=_COUNTED)])[0])
-    found = []
+    margins = []
     for place, setting in enumerate(chosen):
         value, unit = _value(setting, loop), float(setting.unit.in_si)
         assert value is not None
@@ -117,9 +131,9 @@ def direction_margins(
             sides = [_Way(loop, setting, value, end * unit, count).nearest() for end in (setting.low, setting.high)]
         (below, low), (above, high) = sides
         span = unit * (setting.high - setting.low)
-        found.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
+        margins.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
         report((place + 1) / len(chosen))
-    return tuple(sorted(found, key=lambda margin: margin.share))
+    return tuple(sorted(margins, key=lambda margin: margin.share))
 
 
 def _value(setting: Setting, loop: CollectionLoop) -> float | None:
@@ -234,10 +248,23 @@ def change_curve(
 ) -> BifurcationCurve:
     """Return the curve on which stable directions change in a plane of two settings, from one change of a margin.
 
-    key, change : the setting of a `DirectionMargin` and its `below` or `above`, no kink. other : the second setting,
-    at the loop's own value there. first, second : (low, high) of both, in the units of their keys, which are those of
-    the curve as well. See `cyclemap.maps.follow_bifurcation`; every map is run cycle by cycle, so that a curve takes
-    half a minute.
+    Parameters
+    ----------
+    loop : the set-up.
+    key, change : the setting of a `DirectionMargin` and its `below` or `above`, no kink.
+    other : the second setting, at the loop's own value there.
+    first, second : (low, high) of both, in the units of their keys.
+
+    Returns
+    -------
+    BifurcationCurve
+        In the units of the keys. See `cyclemap.maps.follow_bifurcation`; every map is run cycle by cycle, so that a
+        curve takes half a minute.
+
+    Raises
+    ------
+    InvalidInput
+        For a setting without a range or a value here, and for a change that is a kink.
     """
     settings = setting_named(key), setting_named(other)
     units = [float(setting.unit.in_si) for setting in settings]

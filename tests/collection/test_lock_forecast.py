@@ -66,6 +66,8 @@ def test_what_cannot_be_foretold_is_refused() -> None:
     refused(lock_forecast, cm.CollectionLoop.mit("plywood"), SIGMA, 100, told="plywood has no samples")
     refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 20, told="at least 50, not 20")
     refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 10**6, told="forecast fewer pushes")
+    refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 100, math.nan, told="start must be a finite number")
+    refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 100, seed=-1, told="seed must be at least 0")
 
 
 def test_the_sentence_tells_chance_directions_and_orientations() -> None:

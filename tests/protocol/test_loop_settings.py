@@ -172,6 +172,7 @@ BAD = [
     ({"corner_share": 0.2, "footprint": "grid:8"}, "corner_share belongs to the exact footprint"),
     ({"corner_share": 0.2, "shape": "ellip1"}, "no corners"),
     ({"pin_friction_mm": -1}, "pin_friction_mm=-1"),
+    ({3: 4}, "unknown setting '3'"),
 ]
 
 

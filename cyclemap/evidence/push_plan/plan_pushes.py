@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import non_negative_number, whole_number
+from cyclemap.checks import non_negative_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
@@ -88,7 +88,7 @@ def plan_pushes(
     count : how many pushes, 1 to 32.
     target : what is asked: `direction`, the stable directions and whether there are any; `map`, the whole cycle map;
         `pushes`, where single pushes end.
-    grid : rad, between orientations that the object is put in; None: any.
+    grid : rad, between orientations that the object is put in, at most 2 pi; None: any.
     room : m, width and depth of the table that object and rod may need.
     read : m and rad, standard deviations of a measured place and angle. What the best model misses comes on top.
     samples, candidates : how many floors are looked at, and among how many pushes is chosen: the time goes with both,
@@ -96,7 +96,14 @@ def plan_pushes(
     seed : of the choice of candidates.
     progress : called with the fraction done.
 
-    Raises InvalidInput for a material without samples, a room too small, or numbers that make no sense.
+    Returns
+    -------
+    PushPlan
+
+    Raises
+    ------
+    InvalidInput
+        For a material without samples, a room too small, or numbers that make no sense.
 
     Notes
     -----
@@ -104,35 +111,40 @@ def plan_pushes(
     No push is planned twice: most of what a model misses of a push it misses again when that is repeated. Errors of
     pushes are taken as independent and alike, of a long push as of a short one.
     """
-    number = whole_number("pushes of a plan", count, least=1)
-    if number > MOST_PUSHES:
-        raise InvalidInput(f"pushes of a plan: {number}, of at most {MOST_PUSHES}; plan some, measure, and plan on")
+    asked = whole_number("pushes of a plan", count, least=1)
+    if asked > MOST_PUSHES:
+        raise InvalidInput(f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on")
     if target not in TARGETS:
         raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
+    whole_number("seed", seed, least=0)
+    if grid is not None and positive_number("grid", grid) > 2.0 * math.pi:
+        raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
+    for side in room:
+        positive_number("width and depth of a room", side)
     noise = push_noise((non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1])))
     report = progress or (lambda fraction: None)
     known = beliefs(loop, whole_number("samples", samples, least=2))
     longest = 0.6 * max(room)
-    offered = candidate_pushes(loop, whole_number("candidates", candidates, least=number), grid, longest, seed)
-    ends, by, told = push_sensitivity(known, offered, noise)
+    offered = candidate_pushes(loop, whole_number("candidates", candidates, least=asked), grid, longest, seed)
+    ends, by, by_set = push_sensitivity(known, offered, noise)
     report(0.5)
     fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
     kept = [index for index, push in enumerate(fitting) if push is not None]
-    if len(kept) < number:
+    if len(kept) < asked:
         words = f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)} pushes"
         raise InvalidInput(f"{words}: give a larger one, or ask for fewer pushes")
     wanted = target_of(known, target, by, noise)
     report(0.8)
-    design = Design(known.covariance, told[:, kept], wanted)
-    first = design.greedy(min(max(number, *COUNTS), len(kept)))
-    chosen = design.ordered(design.exchanged(first[:number]))
+    design = Design(known.covariance, by_set[:, kept], wanted)
+    first = design.greedy(min(max(asked, *COUNTS), len(kept)))
+    chosen = design.ordered(design.exchanged(first[:asked]))
     rng = np.random.default_rng(seed)
     sets = [rng.permutation(len(kept)).tolist() for _ in range(_RANDOM_SETS)]
     knowledge = []
-    for some in sorted({0, number, *(few for few in COUNTS if few <= len(first))}):
+    for some in sorted({0, asked, *(few for few in COUNTS if few <= len(first))}):
         drawn = [design.told(order[:some]) for order in sets]
         mean = {name: math.sqrt(float(np.mean([one[name] ** 2 for one in drawn]))) for name in drawn[0]}
-        knowledge.append(Knowledge(some, design.told(chosen if some == number else first[:some]), mean))
+        knowledge.append(Knowledge(some, design.told(chosen if some == asked else first[:some]), mean))
     losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
     missed = chosen[int(np.argmax(losses))]
     report(1.0)

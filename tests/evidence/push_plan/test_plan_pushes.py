@@ -143,6 +143,10 @@ def test_what_cannot_be_planned_is_refused_with_the_mend() -> None:
     refused(plan_pushes, PLYWOOD, told="plywood.*--floor unknown")
     refused(plan_pushes, unknown, 33, told="33, of at most 32")
     refused(plan_pushes, unknown, target="fate", told="not 'fate'")
+    refused(plan_pushes, unknown, grid=0.0, told="grid must be positive")
+    refused(plan_pushes, unknown, grid=7.0, told="grid must be at most 2 pi rad, not 7")
+    refused(plan_pushes, unknown, room=(math.inf, 0.4), told="width and depth of a room must be a finite number")
+    refused(plan_pushes, unknown, seed=-1, told="seed must be at least 0")
     refused(plan_pushes, unknown, 2, room=(0.1, 0.1), samples=2, candidates=4, told="100 x 100 mm holds 0 of 4")
 
 
