@@ -48,12 +48,13 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
             "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
             **numbers_of(operator, "spectral_gap", "mixing_cycles"),
             "tv_from_uniform": number(portrait.tv_from_uniform),
-            "held": [
-                {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
-            ],
         },
         "staircase": _staircase(portrait.prediction),
     }
+    if portrait.held:
+        report["stationary"]["held"] = [
+            {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
+        ]
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.forecast is not None:

@@ -58,6 +58,7 @@ def checkout(tmp_path) -> Path:
     shutil.copy(ROOT / ENGINE / "library.py", engine)
     for folder in (engine, *engine.parents[:2]):
         (folder / "__init__.py").touch()
+    (root / "cyclemap" / "__init__.py").write_text('__version__ = "1.2.3"\n')
     (engine / "strokes.py").write_text("# calls the engine\n")
     (engine / "generate.py").write_text(GENERATOR)
     (engine / "engine.c").write_text(DRIVER)

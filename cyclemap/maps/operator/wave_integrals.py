@@ -14,6 +14,7 @@ _SPREAD = 18
 _HALF = 0.5 * _SPREAD
 _BETA = math.pi * math.sqrt((1.5 * _HALF) ** 2 - 0.8)
 _TWO_PI_REST = 2.4492935982947064e-16  # 2π less its double
+_BLOCK = 64  # nodes and cells at most that are spread by one small matrix
 _ROWS = 64  # waves of F transformed at a time; of very many nodes fewer, so as to hold
 _ENTRIES = 1_000_000  # values at once
 
@@ -26,10 +27,8 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     Sums over uneven nodes by fast transforms (Dutt & Rokhlin 1993), nodes spread by the Kaiser-Bessel window (Fessler &
     Sutton 2003): about n·modes multiplications, where the plain sums take n·modes². Rounding is that of the nodes.
     """
-    from scipy.fft import fft, next_fast_len
-    from scipy.sparse import csc_array
-
-    cells = next_fast_len(4 * modes + 2 * _SPREAD)
+    # A block of nodes must not meet itself around the circle.
+    cells = _fast_length(max(4 * modes, _BLOCK) + 2 * _SPREAD)
     # A cell in two parts, the first so short that its multiples are exact: nodes keep all their digits.
     coarse = float(np.float32(TWO_PI / cells))
     fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
@@ -38,9 +37,10 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     reach = np.arange(_SPREAD) - (_SPREAD // 2 - 1) - (place < 0.0)[:, None]
     across = 1.0 - ((reach - place[:, None]) / _HALF) ** 2
     window = np.i0(_BETA * np.sqrt(np.maximum(across, 0.0))) * (weight / np.i0(_BETA))[:, None]
-    touched = np.mod(nearest.astype(int)[:, None] + reach, cells)
-    starts = np.arange(0, window.size + 1, _SPREAD)
-    spread = csc_array((window.ravel(), touched.ravel(), starts), shape=(cells, theta.size)).tocsr()
+    first_cell = np.mod(nearest.astype(int) - (place < 0.0) - (_SPREAD // 2 - 1), cells)
+    in_order = np.argsort(first_cell, kind="stable")
+    image = image[in_order]
+    blocks = _blocks(first_cell[in_order], window[in_order])
 
     order = np.arange(modes + 1)
     bend = (_HALF * TWO_PI * order / cells) ** 2
@@ -57,8 +57,11 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     found = np.empty((2 * modes + 1, 2 * modes + 1))
     for first in range(0, modes + 1, rows):
         several = powers[:, : modes + 1 - first]
-        gathered = (spread @ np.ascontiguousarray(several).view(np.float64)).view(np.complex128)
-        along = fft(gathered, axis=0)
+        gathered = np.zeros((cells, several.shape[1]), dtype=np.complex128)
+        columns = np.ascontiguousarray(several).view(np.float64)
+        for touched, nodes, spread in blocks:
+            gathered[np.mod(touched, cells)] += (spread @ columns[nodes]).view(np.complex128)
+        along = np.fft.fft(gathered, axis=0)
         falling, rising = undone[:, None] * along[order], undone[:, None] * along[-order]
         both = np.concatenate([0.5 * (rising + falling), -0.5j * (rising - falling)[1:]]).T
         last = first + len(both)
@@ -68,3 +71,32 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
         found[modes + first + skipped : modes + last] = both.imag[skipped:]
         powers *= jump[:, None]
     return found
+
+
+def _blocks(first_cell: Array, window: Array) -> list[tuple[Array, slice, Array]]:
+    """Of neighbouring nodes, by their first cells: cells (c,), the nodes, the matrix (c, nodes) that spreads them."""
+    blocks = []
+    first = 0
+    while first < first_cell.size:
+        last = int(np.searchsorted(first_cell, first_cell[first] + _BLOCK))
+        last = min(last, first + _BLOCK)
+        across = first_cell[first:last] - first_cell[first]
+        spread = np.zeros((int(across[-1]) + _SPREAD, last - first))
+        for offset in range(_SPREAD):
+            spread[across + offset, np.arange(last - first)] = window[first:last, offset]
+        blocks.append((first_cell[first] + np.arange(len(spread)), slice(first, last), spread))
+        first = last
+    return blocks
+
+
+def _fast_length(least: int) -> int:
+    """The smallest length from `least` on that has no prime factor above 5."""
+    length = least
+    while True:
+        rest = length
+        for factor in (2, 3, 5):
+            while rest % factor == 0:
+                rest //= factor
+        if rest == 1:
+            return length
+        length += 1
