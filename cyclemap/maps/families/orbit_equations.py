@@ -185,8 +185,10 @@ class Bifurcation:
 
     kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1), "border-collision" (a
         point of the orbit meets a break of the map) or "branch point" (multiplier 1 where branches cross).
-    parameter : where, with a bound on its error. points : shape (period,), radians in [0, 2π), in order of visit, the
-        smallest first; of a border collision the one on the break first.
+    parameter : where, with a bound on its error, to first order; it holds the map's ``max_error``, but of a period
+        doubling or branch point not what F' may be off.
+    points : shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border collision the one
+        on the break first.
     period, winding : of the orbit. multiplier, left_multiplier : (Fⁿ)' there; at a border collision with the slopes
         from the right and from the left of the break.
     jump : whether the break met is a jump of the map, where the branch ends, and not a kink.
@@ -274,7 +276,10 @@ def recorded(
     first: int | None = None,
     jump: bool = False,
 ) -> Bifurcation:
-    """The bifurcation with its bound: |last row of the extended Jacobian's inverse|·(|residual| + rounding).
+    """The bifurcation with its bound: |last row of the extended Jacobian's inverse|·(|residual| + rounding + error).
+
+    error : the map's ``max_error``, of the orbit's equations alone. A saddle-node's row is 0 at the multiplier, so that
+    it does not move with F'; a period doubling does, and of the error of F' the map does not tell.
 
     push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ, p). residual : of all n
         + 1 equations. multipliers : from the right and from the left where they differ. Good to first order; nothing
@@ -284,6 +289,7 @@ def recorded(
     extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])
     angle = 2.0 * TWO_PI + np.abs(np.roll(at.theta, -1) + TWO_PI * equations.hops)
     rounding = np.append(2.0 * EPS * angle, 8.0 * EPS * angle.size * max(1.0, abs(at.multiplier)))
+    rounding[:-1] += at.member.max_error
     try:
         row = np.abs(np.linalg.inv(extended)[-1])
         error = float(row @ (np.abs(residual) + rounding)) + 2.0 * EPS * abs(at.parameter)

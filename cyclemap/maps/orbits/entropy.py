@@ -144,7 +144,7 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     size = sum(len(route.letters) for route in plain)
     if size > _MOST_CELLS:
         raise InvalidInput(
-            f"iterates is {most}: the orbits of {len(plain)} folds have {size} points or more, more than "
+            f"iterates is {most}: the orbits of {len(plain)} folds have {size} points or more, above "
             f"{_MOST_CELLS}; take fewer"
         )
     known = np.full(len(plain), circle_map.max_error)

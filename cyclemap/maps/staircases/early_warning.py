@@ -39,8 +39,8 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
     """The multiplier of the rest of the last cycles of a path, with its interval; None where they do not rest.
 
     theta : shape (n,), radians, on the lift or not. last : how many cycles are looked at, 20 or more. They rest where
-        the shortest arc that holds them is less than a quarter of a turn; fewer than 20 are too few, and spreads of
-        1e-13 rad are rounding.
+        the shortest arc that holds them is less than a quarter of a turn; fewer than 20 are too few, and a spread of
+        1e-13 rad is rounding.
 
     Beside a stable point θ' = θ* + λ(θ - θ*) + ξ: the regression of each angle on the one before falls short of λ by
     some (1 + 3λ)/n (Kendall 1954), and its distribution is skew as λ nears 1, so that interval and value come from

@@ -190,3 +190,31 @@ def test_a_branch_born_and_gone_inside_the_range_is_found():
 def test_period_doublings_have_a_list_of_their_own():
     [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.5, 2.5), resolution=2)
     assert flip.parameter.holds(np.hypot(2.0, 0.2 * np.pi))
+
+
+def test_bounds_hold_for_families_moved_by_what_they_may_be_off():
+    """Saddle-nodes of period 1 and 2, and kinks: the family moved by a wave of 1e-6 rad, its breaks left alone."""
+    off = 1e-6
+
+    def changed(plain, claim, size):
+        return CircleMap(
+            lambda x: plain(x) + size * np.cos(2 * x + 0.5),
+            lambda x: plain.derivative(x) - 2 * size * np.sin(2 * x + 0.5),
+            plain.breaks,
+            max_error=claim,
+        )
+
+    for find, make, ends, period, winding in (
+        (saddle_nodes, arnold(0.9), (0.13, 0.15), 1, 0),
+        (saddle_nodes, arnold(0.9), (0.46, 0.475), 2, 1),
+        (border_collisions, broken_line, (-0.5, 0.5), 1, 0),
+    ):
+        given, others = (
+            find(lambda p, m=make, c=claim, s=size: changed(m(p), c, s), ends, period, winding)
+            for claim, size in ((off, 0.0), (0.0, off))
+        )
+        assert len(given) == len(others) > 0
+        for one, other in zip(given, others, strict=True):
+            error = abs(one.parameter - other.parameter)
+            assert 0.01 * off < error <= 1.001 * one.parameter.error_bound + other.parameter.error_bound
+            assert one.parameter.error_bound < 10.0 * off

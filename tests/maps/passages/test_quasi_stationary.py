@@ -79,11 +79,9 @@ def test_bounds_hold_where_a_map_is_off_by_as_much_as_the_noise():
     plain, off = CircleMap.arnold(0.0, 0.9), 0.1
     rate = quasi_stationary(CircleMap(plain, plain.derivative, max_error=off), WrappedNormal(0.3), (-3.0, 3.0))
     for way in (lambda x: 0.0, lambda x: 1.0, np.sign, np.sin, lambda x: np.tanh(3.0 * x)):
-
-        def shifted(x, way=way):
-            return plain(x) + off * way(np.mod(x + np.pi, 2 * np.pi) - np.pi)
-
-        moved = CircleMap(shifted, breaks=(0.0, np.pi))
+        moved = CircleMap(
+            lambda x, w=way: plain(x) + off * w(np.mod(x + np.pi, 2 * np.pi) - np.pi), breaks=(0.0, np.pi)
+        )
         other = quasi_stationary(moved, WrappedNormal(0.3), (-3.0, 3.0))
         assert abs(rate.escape_rate - other.escape_rate) <= rate.escape_rate.error_bound
         assert abs(rate.above - other.above) <= rate.above.error_bound
