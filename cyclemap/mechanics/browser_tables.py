@@ -40,6 +40,8 @@ from cyclemap.mechanics.slider import DragBack
 _ADDRESS = np.dtype("u4")
 # Orientations at which the least pressure of a patch is looked for.
 _AROUND = 720
+# Of a pressure's record, the addresses of its tables.
+_TABLES = ("rows", "nodes", "outline", "table")
 
 
 def wasm_engine() -> bytes:
@@ -164,6 +166,3 @@ def _record(tables: PressureTables) -> dict[str, Any]:
             name: packed_numbers(getattr(tables, name)) for name in ("rows", "nodes", "outline")
         },
     }
-
-
-_TABLES = ("rows", "nodes", "outline", "table")
