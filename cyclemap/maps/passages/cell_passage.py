@@ -97,7 +97,7 @@ def cell_passage(
     every cell's image is off to its own side, or moved up and down by it; measured. inf where a part of the arcs that
     the path comes to is left by none of the cells' chances.
 
-    Raises ConvergenceError where the bound is above 2 %: where a passage hangs on a gap as narrow as a cell.
+    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage hangs on a gap as narrow as a cell.
     """
 
     def value(count: int, shift: float = 0.0, off: float = 0.0) -> tuple[float, float]:
@@ -114,11 +114,11 @@ def cell_passage(
         return Estimate(np.inf, 0.0)
     with np.errstate(invalid="ignore"):
         bound = 2.0 * abs(many - few) + SOLUTION * many
-    if error > 0.0:
-        bound += max(moved, abs(value(_CELLS, error)[0] - value(_CELLS, -error)[0]))
     if not bound <= max(_ACCEPTED * many, SOLUTION):
         raise ConvergenceError(
             f"the passage came out as {many:.6g} with error bound {bound:.2g}: it hangs on a gap as narrow as a cell "
             f"of the arcs; raise the halfwidth {halfwidth:g} or take a noise with a smooth density"
         )
+    if error > 0.0:
+        bound += max(moved, abs(value(_CELLS, error)[0] - value(_CELLS, -error)[0]))
     return Estimate(many, bound)
