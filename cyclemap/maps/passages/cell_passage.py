@@ -97,7 +97,8 @@ def cell_passage(
     every cell's image is off to its own side, or moved up and down by it; measured. inf where a part of the arcs that
     the path comes to is left by none of the cells' chances.
 
-    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage hangs on a gap as narrow as a cell.
+    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage hangs on a gap as
+    narrow as a cell.
     """
 
     def value(count: int, shift: float = 0.0, off: float = 0.0) -> tuple[float, float]:
