@@ -35,9 +35,10 @@ class CellChain:
         low, high = np.array(self.exits).T
         return cells.between(starts, ends, self.lifted), cells.between(low, high, self.lifted)
 
-    def collected(self, image: float, each: float, at: Array) -> float:
+    def collected(self, image: float, each: float, at: Array, off: float = 0.0) -> tuple[float, float]:
         """What a path with F(θ) = ``image`` collects on average: ``each`` a cycle, ``at[e]`` when it leaves by exit e.
 
+        And what that changes, to first order, where every image may be ``off`` by so much, each to its own side.
         Paths that can leave no more collect nothing further, or for ever where ``each`` is above 0.
         """
         rows = [self.chances(part) for part in self.parts]
@@ -48,12 +49,25 @@ class CellChain:
         leads = _grown(out > 0.0, moves.T > 0.0)
         visited = _grown(step > 0.0, moves > 0.0)
         if each > 0.0 and np.any(visited & ~leads):
-            return float("inf")
-        kept = np.flatnonzero(visited & leads)
+            return float("inf"), 0.0
+        kept = np.flatnonzero(leads)
         lost = moves[np.ix_(kept, np.flatnonzero(~leads))].sum(axis=1)
         reward = each + gone[kept] @ at
-        solved = eliminated(moves[np.ix_(kept, kept)], out[kept] + lost).solve(reward) if kept.size else reward
-        return float(each + left @ at + step[kept] @ solved)
+        if not kept.size:
+            return float(each + left @ at), 0.0
+        chain = eliminated(moves[np.ix_(kept, kept)], out[kept] + lost)
+        solved = chain.solve(reward)
+        value = float(each + left @ at + step[kept] @ solved)
+        if off == 0.0:
+            return value, 0.0
+        changes = []
+        for way in (-off, off):
+            pairs = [self.chances(replace(part, ends=part.ends + way)) for part in (*self.parts, begin)]
+            moved, gone_then = (np.concatenate(pair) for pair in zip(*pairs, strict=True))
+            changes.append(moved[:, kept] @ solved + gone_then @ at)
+        here = np.append(moves[:, kept] @ solved + gone @ at, value - each)
+        change = np.max(np.abs(np.array(changes) - here), axis=0)
+        return value, float(change[-1] + step[kept] @ chain.solve(change[kept]))
 
 
 def _grown(mask: Mask, leads: Mask) -> Mask:
@@ -79,30 +93,33 @@ def cell_passage(
 
     The arcs are cut into 512 cells, on each of which F is taken for straight; chances of going from cell to cell are
     exact then, and nothing is subtracted when the chain is eliminated. ``error_bound``: twice the difference from half
-    as many cells, the error being of their second order, and what the map's ``max_error`` changes, moved up and down by
-    it; measured. inf where a part of the arcs that the path comes to is left by none of the cells' chances.
+    as many cells, the error being of their second order, and what the map's ``max_error`` changes, to first order where
+    every cell's image is off to its own side, or moved up and down by it; measured. inf where a part of the arcs that
+    the path comes to is left by none of the cells' chances.
 
-    Raises ConvergenceError where the bound is above 2 %: where a passage hangs on a gap as narrow as a cell.
+    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage hangs on a gap as
+    narrow as a cell.
     """
 
-    def value(count: int, shift: float = 0.0) -> float:
+    def value(count: int, shift: float = 0.0, off: float = 0.0) -> tuple[float, float]:
         whole = sum(high - low for low, high in arcs)
         parts = []
         for low, high in arcs:
             cells = cells_between(circle_map, halfwidth, low, high, max(8, round(count * (high - low) / whole)))
             parts.append(replace(cells, ends=cells.ends + shift))
-        return CellChain(tuple(parts), exits, lifted).collected(float(circle_map(start)) + shift, each, at)
+        return CellChain(tuple(parts), exits, lifted).collected(float(circle_map(start)) + shift, each, at, off)
 
-    few, many = value(_CELLS), value(2 * _CELLS)
+    error = circle_map.max_error
+    (few, _), (many, moved) = value(_CELLS), value(2 * _CELLS, off=error)
     if np.isinf(many) and np.isinf(few):
         return Estimate(np.inf, 0.0)
     with np.errstate(invalid="ignore"):
         bound = 2.0 * abs(many - few) + SOLUTION * many
-    if circle_map.max_error > 0.0:
-        bound += abs(value(_CELLS, circle_map.max_error) - value(_CELLS, -circle_map.max_error))
     if not bound <= max(_ACCEPTED * many, SOLUTION):
         raise ConvergenceError(
             f"the passage came out as {many:.6g} with error bound {bound:.2g}: it hangs on a gap as narrow as a cell "
             f"of the arcs; raise the halfwidth {halfwidth:g} or take a noise with a smooth density"
         )
+    if error > 0.0:
+        bound += max(moved, abs(value(_CELLS, error)[0] - value(_CELLS, -error)[0]))
     return Estimate(many, bound)

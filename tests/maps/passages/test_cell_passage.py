@@ -125,3 +125,17 @@ def test_monte_carlo_hits_agree(circle_map, h, start, a, b):
 def test_an_arc_that_cannot_be_reached_has_chance_zero_exactly():
     found = hitting_probability(STICKY, UniformNoise(0.1), 0.77, (1.6, 2.0), (-1.0, -0.5))
     assert found == 0.0 and found.error_bound < 1e-15
+
+
+def test_bounds_hold_where_a_map_is_off_to_both_sides():
+    """Moved up and down as a whole an odd map's passages stay: pulled apart or together they do not."""
+
+    def pulled(by, claim=0.0):
+        return CircleMap(lambda x: x - 0.3 * np.sin(x) + by * np.sin(x), max_error=claim)
+
+    for off in (1e-4, 1e-3):
+        claimed = mean_passage_time(pulled(0.0, off), UniformNoise(0.6), 0.0, (-1.0, 1.0))
+        for by in (-off, off):
+            other = mean_passage_time(pulled(by), UniformNoise(0.6), 0.0, (-1.0, 1.0))
+            assert abs(claimed - other) <= claimed.error_bound
+        assert claimed.error_bound < 1_000.0 * off
