@@ -28,6 +28,16 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
     rotation, operator, turns = portrait.rotation, portrait.operator, portrait.turns
     locked = rotation.locked
+    stationary: Json = {
+        "noise_deg": degrees(portrait.noise.sigma),
+        "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
+        **numbers_of(operator, "spectral_gap", "mixing_cycles"),
+        "tv_from_uniform": number(portrait.tv_from_uniform),
+    }
+    if portrait.held:
+        stationary["held"] = [
+            {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
+        ]
     report: Json = {
         "map": {
             "degree": int(portrait.map.degree),
@@ -43,18 +53,9 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
             **numbers_of(rotation, "value", "lower", "upper"),
             "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
         },
-        "stationary": {
-            "noise_deg": degrees(portrait.noise.sigma),
-            "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
-            **numbers_of(operator, "spectral_gap", "mixing_cycles"),
-            "tv_from_uniform": number(portrait.tv_from_uniform),
-        },
+        "stationary": stationary,
         "staircase": _staircase(portrait.prediction),
     }
-    if portrait.held:
-        report["stationary"]["held"] = [
-            {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
-        ]
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.forecast is not None:
