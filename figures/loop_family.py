@@ -91,7 +91,7 @@ class LoopFamily:
 def loop_family(loop_at: LoopAt, ranges: tuple[Range, ...], nodes: tuple[int, ...], angles: int) -> LoopFamily:
     """Run `angles` cycles at each of `nodes` Chebyshev nodes a parameter (one or two), and interpolate them.
 
-    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> from cyclemap.protocol import loop_from_settings
     >>> push = lambda distance: loop_from_settings({"push_mm": distance})
     >>> family = loop_family(push, ((100.0, 120.0),), (2,), 8)
     >>> family.coefficients.shape

@@ -51,7 +51,7 @@ def push_noise(read: tuple[float, float], by_hand: bool = False) -> Array:
     top; it is taken as independent from push to push, and of a long push as of a short one. by_hand : whether rods were
     set by marks, which adds 2 mm and 2 degrees in the median of pushes, and more to those that depend on it.
 
-    >>> along, _, turned, dragged = push_noise((1e-3, 0.0))
+    >>> along, _, turned, dragged = push_noise((1e-3, 0.0)).tolist()
     >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)
     (1.803, 2.0, 6.0)
     """

@@ -62,7 +62,10 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
 
         found = eig(deflated, left=True)
         values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
-        left = left.conj()
+        # As many as the iteration gives.
+        several = _falling(values)[: wanted + _COPIES]
+        values, left, right = values[several], left[:, several].conj(), right[:, several]
+        left = _paired(values, right, values, left)
     else:
         # More than wanted, so that no eigenvalue loses a copy at the end.
         values, right = _arnoldi(deflated, wanted + _COPIES)

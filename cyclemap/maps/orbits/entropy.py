@@ -19,7 +19,7 @@ ITERATES = 60
 _MOST_CELLS = 3_000  # of the graph, whose eigenvalues are found whole
 _LOST = 1e-3  # radians: an image known no better is given up
 _CLOSED = 1e-9  # radians: an image that meets a fold to so much closes its orbit
-_ROUNDING = 1e-12  # of the entropy: of eigenvalues and of orbits that close to rounding
+_CLOSING = 1e-12  # of the entropy: of eigenvalues and of orbits that close to rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     if np.any(nearly):
         moved = bounds(known + _CLOSED * nearly)
         lower, upper = min(lower, moved[0]), max(upper, moved[1])
-    return Estimate(value, max(upper - value, value - lower) + _ROUNDING)
+    return Estimate(value, max(upper - value, value - lower) + _CLOSING)
 
 
 def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[int, ...], ...]:
