@@ -20,6 +20,7 @@ _SAME = 1e-9  # eigenvalues nearer to each other, both well conditioned, are one
 _WELL_CONDITIONED = 1e3
 _TRUSTED = 1.0 / 16.0  # of the distance to the next: a bound to first order up to there leaves out no second order
 _SQUARINGS = 8
+_ENOUGH = 1.01  # times a lower bound: an upper one as near as that is not sought any lower
 _SPACE = 48  # vectors after which the residuals of an Arnoldi iteration are first looked at
 _CONVERGED = 1e-13  # residual that ends it
 _COPIES = 2  # of one eigenvalue that are found
@@ -101,8 +102,8 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
 def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     """|λ₂|, with the bounds of every eigenvalue that could be the second largest.
 
-    Where one of those is not known, as near a defective eigenvalue, no more than 0 ≤ |λ₂| ≤ ‖L₀ⁿ‖^(1/n), every n, L₀
-    the operator without its first eigenvalue.
+    Where one of those is not known, as near a defective eigenvalue, no more than that it lies between the eigenvalues
+    that are known and the least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., L₀ the operator without its first eigenvalue.
     """
     moduli, bounds = np.abs(spectrum.values[1:]), spectrum.error_bounds[1:]
     if moduli.size == 0:
@@ -111,20 +112,21 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     highest = float(np.max(np.where(close, moduli + bounds, 0.0)))
     if np.isfinite(highest):
         return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
-    if np.isinf(basis.left_out):
-        return Estimate(float(moduli[0]), max(float(moduli[0]), 1.0 - float(moduli[0])))
-    # The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off.
-    power = _deflated(basis)
-    size = float(np.linalg.norm(power))
-    off, largest = MATRIX * 4.0 * (1.0 + size), 1.0
-    off += basis.left_out * (1.0 + size)
-    for n in 2.0 ** np.arange(_SQUARINGS):
-        largest = min(largest, (size + off) ** (1.0 / n))
-        off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
-        power = power @ power
+    least, most = max(0.0, float(np.max(moduli - bounds))), 1.0
+    if np.isfinite(basis.left_out):
+        # With what the matrix and its products may be off.
+        power = _deflated(basis)
         size = float(np.linalg.norm(power))
-    value = min(float(moduli[0]), largest)
-    return Estimate(value, max(value, largest - value))
+        off = (MATRIX * 4.0 + basis.left_out) * (1.0 + size)
+        for doublings in range(_SQUARINGS):
+            most = min(most, (size + off) ** 0.5**doublings)
+            if most <= _ENOUGH * least or doublings == _SQUARINGS - 1:
+                break
+            off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
+            power = power @ power
+            size = float(np.linalg.norm(power))
+    value = min(float(moduli[0]), most)
+    return Estimate(value, max(value - least, most - value))
 
 
 def mixing_time(second: Estimate) -> Estimate:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 
-# Cells of the grid that a node is spread over, twice as many cells as the waves need: what the grid aliases is
+# Cells of the grid that a node is spread over, at least twice as many cells as the waves need: what the grid aliases is
 # exp(-18π/√2) = 4e-18 of the nodes' weight.
 _SPREAD = 18
 _HALF = 0.5 * _SPREAD
@@ -27,8 +27,8 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     Sums over uneven nodes by fast transforms (Dutt & Rokhlin 1993), nodes spread by the Kaiser-Bessel window (Fessler &
     Sutton 2003): about n·modes multiplications, where the plain sums take n·modes². Rounding is that of the nodes.
     """
-    # A block of nodes must not meet itself around the circle.
-    cells = _fast_length(max(4 * modes, _BLOCK) + 2 * _SPREAD)
+    # A power of two, for fast transforms, and so many that a block of nodes does not meet itself around the circle.
+    cells = 1 << (max(4 * modes, _BLOCK) + 2 * _SPREAD - 1).bit_length()
     # A cell in two parts, the first so short that its multiples are exact: nodes keep all their digits.
     coarse = float(np.float32(TWO_PI / cells))
     fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
@@ -87,16 +87,3 @@ def _blocks(first_cell: Array, window: Array) -> list[tuple[Array, slice, Array]
         blocks.append((first_cell[first] + np.arange(len(spread)), slice(first, last), spread))
         first = last
     return blocks
-
-
-def _fast_length(least: int) -> int:
-    """The smallest length from `least` on that has no prime factor above 5."""
-    length = least
-    while True:
-        rest = length
-        for factor in (2, 3, 5):
-            while rest % factor == 0:
-                rest //= factor
-        if rest == 1:
-            return length
-        length += 1

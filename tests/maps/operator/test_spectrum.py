@@ -146,3 +146,14 @@ def test_the_gap_under_uniform_noise_has_a_bound_that_holds_against_fourier_mode
     second = np.sort(np.abs(np.linalg.eigvals(matrix)))[-2]
     assert abs(found.spectral_gap - (1.0 - second)) < found.spectral_gap.error_bound + 1e-9
     assert found.spectral_gap.error_bound < 1e-3
+
+
+def test_an_eigenvalue_without_a_bound_takes_nothing_from_what_the_others_tell():
+    """With too few modes only λ₂ has a bound: |λ₂| is no less than that tells, and at most 1."""
+    circle_map, noise = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1)
+    truth, few = transfer_operator(circle_map, noise), transfer_operator(circle_map, noise, modes=30)
+    found = few.spectrum(5)
+    assert np.isfinite(found.error_bounds[1]) and np.isinf(found.error_bounds[2])
+    gap = few.spectral_gap
+    assert gap.holds(float(truth.spectral_gap))
+    assert gap.error_bound <= 1.0 - np.abs(found.values[1])
