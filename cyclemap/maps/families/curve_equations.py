@@ -120,8 +120,10 @@ class CurveEquations:
             lambda first: family_member(self.family, first, q),
             lambda second: family_member(self.family, p, second),
         )
-        steps = [_STEP * (high - low) for low, high in self.ranges]
-        tangents = [parameter_tangent(*given) for given in zip(slices, (p, q), steps, self.ranges, strict=True)]
+        tangents = [
+            parameter_tangent(family, value, _STEP, within)
+            for family, value, within in zip(slices, (p, q), self.ranges, strict=True)
+        ]
         member = tangents[0].member
         equations = OrbitEquations(slices[0], self.hops, self.winding, self.ranges[0])
         if self.side:

@@ -188,13 +188,16 @@ class ParameterTangent:
         return np.asarray(np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]])))
 
 
-def parameter_tangent(family: Family, p: float, step: float, within: Range) -> ParameterTangent:
+def parameter_tangent(family: Family, p: float, share: float, within: Range) -> ParameterTangent:
     """∂F/∂p of a family p → CircleMap, by differences of second order of its lifts in p, inside ``within``.
+
+    share : of the range ``within``, the differences' spacing.
 
     Breaks may move with p: angles are carried along with the breaks on both sides, so that no difference reaches
     across one. Raises InvalidInput when neighbouring maps have different numbers of breaks.
     """
     below, above = p - within[0], within[1] - p
+    step = share * (within[1] - within[0])
     offsets: tuple[int, ...] = (-1, 1)
     weights: tuple[float, ...] = (-0.5, 0.5)
     if min(below, above) < step:

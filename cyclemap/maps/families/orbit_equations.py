@@ -68,8 +68,7 @@ class OrbitEquations:
 
     def push(self, p: float) -> ParameterTangent:
         """∂F/∂p at ``p``."""
-        step = _STEP * (self.within[1] - self.within[0])
-        return parameter_tangent(self.family, p, step, self.within)
+        return parameter_tangent(self.family, p, _STEP, self.within)
 
     def residual(self, images: Array, theta: Array) -> Array:
         """F(θ_i) - θ_{i+1} - 2πh_i from the images F(θ_i)."""

@@ -48,11 +48,11 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
     p = finite_number("parameter", parameter)
     if not low <= p <= high:
         raise InvalidInput(f"parameter is {p:g}, outside the parameters ({low:g}, {high:g}): take one inside")
-    tangents = [parameter_tangent(family, p, k * _STEP * (high - low), (low, high)) for k in (1.0, 2.0)]
-    operator = transfer_operator(tangents[0].member, noise)
+    near, far = (parameter_tangent(family, p, share, (low, high)) for share in (_STEP, 2.0 * _STEP))
+    operator = transfer_operator(near.member, noise)
     if not isinstance(operator.discretisation, FourierDiscretisation):
         raise InvalidInput(f"the noise is {noise!r}: its law has steps, which move; take a smooth noise")
-    return Response(operator, tangents[0], tangents[1])
+    return Response(operator, near, far)
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,16 +48,16 @@ def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: in
     >>> lost.fold.parameter.holds(0.9 / (2 * np.pi)), round(lost.delay_cycles)
     (True, 356)
     """
-    low, high = parameter_range("parameters", parameters)
+    within = parameter_range("parameters", parameters)
     speed = finite_number("rate", rate)
     if speed == 0.0:
         raise InvalidInput("rate is 0: a parameter that stands still loses nothing; give its change a cycle")
     found = []
-    for fold in saddle_nodes(family, (low, high), 1, winding):
+    for fold in saddle_nodes(family, within, 1, winding):
         p, theta = float(fold.parameter), fold.points
         member = family_member(family, p)
         bend = float(np.diff(member.derivative(theta[0] + np.array([-_BEND, _BEND])))[0]) / (4.0 * _BEND)
-        push = float(parameter_tangent(family, p, _STEP * (high - low), (low, high))(theta)[0]) * speed
+        push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)
             found.append(SlowFold(fold, delay, p + speed * delay, speed))

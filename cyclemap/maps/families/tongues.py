@@ -185,8 +185,7 @@ class EdgeSearch:
             self.require_inside()
             low, high = self.within
         # How far the lift's rounding and what is unseen can move the edge, to first order along its orbit.
-        step = 1e-6 * (self.within[1] - self.within[0])
-        tangent = parameter_tangent(self.family, parameter, step, self.within)
+        tangent = parameter_tangent(self.family, parameter, 1e-6, self.within)
         disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
         if moved <= 0.0:
             raise ConvergenceError(
