@@ -212,10 +212,24 @@ class _CurveWalk:
 def follow_bifurcation(family: Family, start: Bifurcation, at: float, first: Range, second: Range) -> BifurcationCurve:
     """The curve of bifurcations through ``start``, followed both ways in the plane first × second.
 
-    family : (p, q) → CircleMap, called only inside the plane. start : a saddle-node, period doubling or border
-        collision of p → family(p, at), as ``bifurcations`` gives them. at : the second parameter there.
+    Parameters
+    ----------
+    family : (p, q) → CircleMap, called only inside the plane.
+    start : a saddle-node, period doubling or border collision of p → family(p, at), as ``bifurcations`` gives them.
+    at : the second parameter there.
     first, second : (low, high) of the two parameters.
 
+    Returns
+    -------
+    The curve with its m points in order along it, and its points of codimension two.
+
+    Raises
+    ------
+    InvalidInput for another kind of bifurcation, or where there is none; ConvergenceError where a point of codimension
+    two cannot be located.
+
+    Notes
+    -----
     The orbit's equations and the condition, a multiplier of ±1 or a point on a break, are solved for θ and both
     parameters and followed in their arclength (Keller 1977; Kuznetsov 2004, ch. 10), so that folds of the curve and
     cusps are passed and every point is correct to rounding, or to what the map's ``max_error`` leaves. Points of
@@ -224,8 +238,8 @@ def follow_bifurcation(family: Family, start: Bifurcation, at: float, first: Ran
     happens twice within one step, at most 0.06 of the plane, is missed. The bounds of tips, and of points at which a
     curve ends, are measured; the others are of first order.
 
-    Raises InvalidInput for another kind of bifurcation, or where there is none.
-
+    Examples
+    --------
     >>> from cyclemap.maps.families.continuation import saddle_nodes
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))

@@ -19,7 +19,7 @@ from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values, moments_against
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
-from cyclemap.maps.passages.killed_chain import Arc, arc_ends, killed_chain, required_inside
+from cyclemap.maps.passages.killed_chain import Arc, arc_ends, killed_chain, outside_of, required_inside
 from cyclemap.one_thread import one_thread
 
 _STEP = 1e-3  # of the range: spacing of the differences by which ∂F/∂p is told
@@ -29,15 +29,30 @@ _STRETCH = 1.4  # factor on the nodes' bandwidth of the second route to a passag
 def response(family: Family, parameter: float, noise: Noise, parameters: Range) -> Response:
     """How what noise makes of a family's map answers its parameter: derivatives by the operator's adjoint.
 
-    family : p → CircleMap. parameters : (low, high), with ``parameter`` inside: the family is called only there.
+    Parameters
+    ----------
+    family : p → CircleMap.
+    parameter : where the derivatives are taken.
+    noise : with a smooth density.
+    parameters : (low, high), with ``parameter`` inside: the family is called only there.
 
+    Returns
+    -------
+    The derivatives, each computed when it is asked for.
+
+    Raises
+    ------
+    InvalidInput for ``UniformNoise``, whose law has steps, and as ``transfer_operator`` does.
+
+    Notes
+    -----
     With z - Pz = h - E h (Poisson's equation) d/dp E h = E ∂F/∂p·(Pz)' + E ∂h/∂p, and where a jump b moves at the rate
     b', b' p(b) times what Pz and h change across it (linear response: Hairer & Majda 2010; with noise all is smooth).
     ∂F/∂p comes from centred differences over 1/1000 and 1/500 of the range, extrapolated; the bounds add what that
     changes, what a finer basis or more nodes change, and rounding: measured, the map's ``max_error`` left out.
 
-    Raises InvalidInput for ``UniformNoise``, whose law has steps, and as ``transfer_operator`` does.
-
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> found = response(CircleMap.rigid, 0.3, WrappedNormal(0.5), (0.0, 1.0))
@@ -120,19 +135,20 @@ class Response:
         """
         ends = arc_ends(arc, "arc", whole=lifted)
         inside = required_inside(start, ends)
-        make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), None, lifted)
-        found = []
+        exits = outside_of(ends, lifted)
+        make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), exits, lifted)
+        rates = []
         for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):
             chain = make(stretch=stretch)
-            time = chain.expected(1.0, np.zeros(2 if lifted else 1))
+            time = chain.expected(1.0, np.zeros(len(exits)))
             theta = np.append(chain.theta, inside)
             images = self.operator.map(theta)
             source = push(theta) * time.growth(images, chain)
             # Elimination keeps all digits of what is not negative.
             up, down = (np.maximum(sign * source[:-1], 0.0) for sign in (1.0, -1.0))
             moved = chain.elimination.solve(up) - chain.elimination.solve(down)
-            found.append(float(source[-1] + chain.transitions(images[-1:])[0] @ moved))
-        near, far, again = found
+            rates.append(float(source[-1] + chain.transitions(images[-1:])[0] @ moved))
+        near, far, again = rates
         rounding = 1e3 * EPS * (1.0 / self.near.step + abs(near))
         return Estimate((4.0 * near - far) / 3.0, abs(near - far) + 4.0 * abs(near - again) + rounding)
 

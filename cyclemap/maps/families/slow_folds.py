@@ -20,8 +20,8 @@ _BEND, _STEP = 1e-4, 1e-5  # radians, and of the range: for differences of F' an
 class SlowFold:
     """A saddle-node at which a parameter that moves takes a stable fixed point away.
 
-    fold : the saddle-node, at its parameter with the bound. delay_cycles : so many cycles after the crossing the path
-        has left. parameter : where it has then. rate : of the parameter, per cycle.
+    fold : the saddle-node, its parameter with a bound. delay_cycles : how many cycles after the parameter has passed it
+        the path has left. parameter : the parameter by then. rate : its change a cycle.
     """
 
     fold: Bifurcation
@@ -33,16 +33,31 @@ class SlowFold:
 def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: int = 0) -> list[SlowFold]:
     """Where a family whose parameter moves by ``rate`` a cycle loses fixed points, in the order in which it does.
 
+    Parameters
+    ----------
     family : p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter and a rate of 1,
-        whose quasi-static fixed points ``orbit_branches`` follows. parameters, winding : as of ``saddle_nodes``.
+        whose quasi-static fixed points ``orbit_branches`` follows.
+    parameters : (low, high), in which folds are sought.
+    rate : change of the parameter a cycle, not 0.
+    winding : whole turns a cycle of the fixed points.
 
+    Returns
+    -------
+    Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at which two are born.
+
+    Raises
+    ------
+    InvalidInput for a rate of 0, and as ``saddle_nodes`` does.
+
+    Notes
+    -----
     Beside a fold θ' = θ + a(θ - θ*)² + b(p - p*): as p moves the path is gone Ω₀ (a b rate)^(-1/3) cycles after the
     crossing, Ω₀ = 2.338 the first zero of Ai(-x), so that the parameter overshoots by Ω₀ rate^(2/3) (b² a)^(-1/3)
     (the 2/3 law of slow passage: Haberman 1979; Kuehn 2015, ch. 5). That holds for slow rates and without noise, which
     makes a path leave earlier; ``delay_cycles`` is the leading order, next to which a few cycles over a are left out.
 
-    Raises InvalidInput for a rate of 0, and as ``saddle_nodes`` does.
-
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
     >>> lost.fold.parameter.holds(0.9 / (2 * np.pi)), round(lost.delay_cycles)

@@ -57,18 +57,32 @@ _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 def transfer_operator(circle_map: CircleMap, noise: Noise | None, *, modes: int | None = None) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
+    Parameters
+    ----------
+    noise : ξ, or None for none.
+    modes : keep this many Fourier modes, at most 2000, instead of as many as the noise lets through: fewer show what
+        the bounds are worth.
+
+    Returns
+    -------
+    The operator on its basis; its law and all else are computed when asked for.
+
+    Raises
+    ------
+    InvalidInput when there is no noise and no power of the map expands, or the noise is so narrow that more than 2000
+    modes would be needed (for ``WrappedNormal`` below 0.0046 rad). ConvergenceError, from what is computed later, when
+    the map is too steep or too fine for the noise, so that more than 400,000 nodes or 2e12 multiplications would be
+    needed.
+
+    Notes
+    -----
     Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
     through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
-    Monge & Nisoli 2020). ``UniformNoise``, whose density jumps, and None, no noise, take the masses of 512
-    or 1,024 cells, with bounds that fall with their length (see ``CellLaw``); without noise the map must expand.
+    Monge & Nisoli 2020). ``UniformNoise``, whose density jumps, and None, no noise, take the masses of 512 or 1,024
+    cells, with bounds that fall with their length (see ``CellLaw``); without noise the map must expand.
 
-    modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
-
-    Raises InvalidInput when there is no noise and no power of the map expands, or the noise is so narrow that more than
-    2000 modes would be needed (for ``WrappedNormal`` below 0.0046 rad), ConvergenceError when the map is too steep or
-    too fine for it, so that more
-    than 400,000 nodes or 2e12 multiplications would be needed.
-
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)

@@ -160,12 +160,26 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
 def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[int, ...], ...]:
     """For every fold the branches that its images are on, one after the other.
 
-    Branches are counted as ``branches`` lists them, from 0; fold j is the start of branch j. A sequence ends early
-    where an image meets a fold (with a branch beside it), or where rounding cannot tell its side of one. (Milnor &
-    Thurston 1988.)
+    Parameters
+    ----------
+    length : how many images of every fold are followed at most.
 
-    Raises InvalidInput for lifts with jumps or plateaus.
+    Returns
+    -------
+    One sequence a fold; fold j is the start of branch j. Branches are counted as ``branches`` lists them, from 0. Empty
+    for lifts without folds.
 
+    Raises
+    ------
+    InvalidInput for lifts with jumps or plateaus.
+
+    Notes
+    -----
+    A sequence ends early where an image meets a fold (with a branch beside it), or where rounding cannot tell its side
+    of one (Milnor & Thurston 1988).
+
+    Examples
+    --------
     >>> kneading_sequences(CircleMap.arnold(0.3, 3.0), 6)
     ((1, 0, 1, 0, 1, 0), (0, 1, 0, 1, 1, 1))
     """

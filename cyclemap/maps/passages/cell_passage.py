@@ -28,12 +28,14 @@ class CellChain:
     exits: tuple[Arc, ...]
     lifted: bool
 
-    def chances(self, cells: Cells) -> tuple[Array, Array]:
-        """(m, n): of going from ``cells`` to those of the chain; (m, exits): of leaving by each exit."""
+    def chances(self, *origins: Cells) -> tuple[Array, Array]:
+        """(m, n): of going from these cells to those of the chain; (m, exits): of leaving by each exit."""
         starts = np.concatenate([part.edges[:-1] for part in self.parts])
         ends = np.concatenate([part.edges[1:] for part in self.parts])
         low, high = np.array(self.exits).T
-        return cells.between(starts, ends, self.lifted), cells.between(low, high, self.lifted)
+        moves = [cells.between(starts, ends, self.lifted) for cells in origins]
+        gone = [cells.between(low, high, self.lifted) for cells in origins]
+        return np.concatenate(moves), np.concatenate(gone)
 
     def collected(self, image: float, each: float, at: Array, off: float = 0.0) -> tuple[float, float]:
         """What a path with F(θ) = ``image`` collects on average: ``each`` a cycle, ``at[e]`` when it leaves by exit e.
@@ -41,10 +43,9 @@ class CellChain:
         And what that changes, to first order, where every image may be ``off`` by so much, each to its own side.
         Paths that can leave no more collect nothing further, or for ever where ``each`` is above 0.
         """
-        rows = [self.chances(part) for part in self.parts]
-        moves, gone = (np.concatenate(part) for part in zip(*rows, strict=True))
+        moves, gone = self.chances(*self.parts)
         begin = Cells(self.parts[0].halfwidth, np.zeros(2), np.full((2, 1), image), 0.0)
-        step, left = (row[0] for row in self.chances(begin))
+        step, left = (rows[0] for rows in self.chances(begin))
         out = gone.sum(axis=1)
         leads = _grown(out > 0.0, moves.T > 0.0)
         visited = _grown(step > 0.0, moves > 0.0)
@@ -62,8 +63,7 @@ class CellChain:
             return value, 0.0
         changes = []
         for way in (-off, off):
-            pairs = [self.chances(replace(part, ends=part.ends + way)) for part in (*self.parts, begin)]
-            moved, gone_then = (np.concatenate(pair) for pair in zip(*pairs, strict=True))
+            moved, gone_then = self.chances(*(replace(part, ends=part.ends + way) for part in (*self.parts, begin)))
             changes.append(moved[:, kept] @ solved + gone_then @ at)
         here = np.append(moves[:, kept] @ solved + gone @ at, value - each)
         change = np.max(np.abs(np.array(changes) - here), axis=0)

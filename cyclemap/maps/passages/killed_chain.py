@@ -41,6 +41,11 @@ def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
     return min(inside, arc[1]) if inside <= arc[1] + ANGLE else None
 
 
+def outside_of(ends: Arc, lifted: bool) -> tuple[Arc, ...]:
+    """The exits of one arc: all that lies below it and above it on the real line, or the rest of the circle."""
+    return ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
+
+
 def required_inside(start: float, ends: Arc) -> float:
     """``start``, moved by whole turns into the arc, or InvalidInput."""
     inside = into_arc(finite_number("start", start), ends)
@@ -167,7 +172,7 @@ def killed_chain(
     circle_map: CircleMap,
     noise: Noise | None,
     arcs: tuple[Arc, ...],
-    exits: tuple[Arc, ...] | None,
+    exits: tuple[Arc, ...],
     lifted: bool,
     *,
     every_sample: bool = True,
@@ -176,10 +181,10 @@ def killed_chain(
 ) -> KilledChain:
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
 
-    exits : None takes all that lies outside the one arc, on the line below it and above it. lifted : the space is the
-    real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes end at every sample of a
-    sampled map. stretch : factor on the nodes' bandwidth. Raises InvalidInput where more than ``most`` nodes would be
-    needed, and for noise whose density jumps.
+    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes
+    end at every sample of a sampled map. stretch : factor on the nodes' bandwidth.
+
+    Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
@@ -187,9 +192,6 @@ def killed_chain(
         raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
     if noise.jump > 0.0:
         raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
-    if exits is None:
-        ((low, high),) = arcs
-        exits = ((-np.inf, low), (high, np.inf)) if lifted else ((high, low + TWO_PI),)
     bandwidth = float(_MIN_BANDWIDTH)
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05

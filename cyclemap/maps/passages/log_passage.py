@@ -18,6 +18,7 @@ from cyclemap.maps.passages.killed_chain import (
     KilledChain,
     arc_ends,
     killed_chain,
+    outside_of,
     required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
@@ -72,8 +73,8 @@ def log10_passage_time(
     inside = required_inside(start, ends)
 
     def chain(every_sample: bool, stretch: float) -> KilledChain:
-        on = circle_map, noise, (ends,), None, lifted
-        return killed_chain(*on, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
+        settings = circle_map, noise, (ends,), outside_of(ends, lifted), lifted
+        return killed_chain(*settings, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
     many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):

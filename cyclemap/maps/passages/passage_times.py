@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
@@ -21,6 +21,7 @@ from cyclemap.maps.passages.killed_chain import (
     arcs_between,
     into_arc,
     killed_chain,
+    outside_of,
     required_inside,
 )
 from cyclemap.one_thread import one_thread
@@ -65,12 +66,12 @@ def mean_passage_time(
     """
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
+    exits = outside_of(ends, lifted)
+    rewards = np.zeros(len(exits))
     if isinstance(noise, Noise) and noise.jump > 0.0:
-        outside = ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
-        rewards = np.zeros(len(outside))
-        return cell_passage(circle_map, noise.jump, inside, (ends,), outside, lifted, 1.0, rewards)
-    make = partial(killed_chain, circle_map, noise, (ends,), None, lifted)
-    return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
+        return cell_passage(circle_map, noise.jump, inside, (ends,), exits, lifted, 1.0, rewards)
+    make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
+    return _certified(make, inside, 1.0, rewards, "mean passage time")
 
 
 @one_thread
@@ -99,15 +100,15 @@ def hitting_probability(
     for ends, answer in ((a, 1.0), (b, 0.0)):
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
+    goals = np.array([1.0, 0.0])
     if isinstance(noise, Noise) and noise.jump > 0.0:
-        goals = np.array([1.0, 0.0])
-        found = cell_passage(circle_map, noise.jump, theta, rest, (a, b), False, 0.0, goals)
-        return Estimate(min(found, 1.0), found.error_bound)
-    make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
-    found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
-    if not np.isfinite(found):
-        raise ConvergenceError("neither arc is reached within 1e300 cycles: raise the noise or widen the arcs")
-    return Estimate(min(found, 1.0), found.error_bound)
+        chance = cell_passage(circle_map, noise.jump, theta, rest, (a, b), False, 0.0, goals)
+    else:
+        make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
+        chance = _certified(make, theta, 0.0, goals, "hitting probability")
+        if not np.isfinite(chance):
+            raise ConvergenceError("neither arc is reached within 1e300 cycles: raise the noise or widen the arcs")
+    return Estimate(min(chance, 1.0), chance.error_bound)
 
 
 def _certified(make: Callable[..., KilledChain], start: float, each: float, at: Array, name: str) -> Estimate:
@@ -148,7 +149,7 @@ def survival_probabilities(
     """
     count, ends = whole_number("cycles", cycles, least=0), arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    chain = killed_chain(circle_map, noise, (ends,), None, lifted)
+    chain = killed_chain(circle_map, noise, (ends,), outside_of(ends, lifted), lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]

@@ -13,7 +13,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.passages.killed_chain import Arc, KilledChain, arc_ends, killed_chain
+from cyclemap.maps.passages.killed_chain import Arc, KilledChain, arc_ends, killed_chain, outside_of
 from cyclemap.one_thread import one_thread
 
 _OTHER = 1.4  # bandwidth of the second solution over that of the first
@@ -87,7 +87,7 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     """
     ends = arc_ends(arc, "arc", whole=True)
     chain, other = (
-        killed_chain(circle_map, noise, (ends,), None, True, every_sample=every, stretch=stretch)
+        killed_chain(circle_map, noise, (ends,), outside_of(ends, True), True, every_sample=every, stretch=stretch)
         for every, stretch in ((False, _OTHER), (True, 1.0))
     )
     mass, rates = _lasting(chain, chain.images)

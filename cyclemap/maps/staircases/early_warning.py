@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.maps.estimate import ANGLE
 
@@ -24,8 +24,8 @@ _LEVEL = 0.95
 class RestMultiplier:
     """The multiplier of the direction about which a path rests.
 
-    value : the median-unbiased one; lower, upper : 95 % interval, in [-1, 1]: at 1 the direction is being lost, or has
-    been. cycles : that it was told from. theta : radians in [0, 2π), the mean of these.
+    value : median-unbiased. lower, upper : 95 % interval, in [-1, 1]: at 1 the direction is being lost,
+        or has been. cycles : how many it comes from. theta : their mean direction, radians in [0, 2π).
     """
 
     value: float
@@ -38,16 +38,30 @@ class RestMultiplier:
 def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
     """The multiplier of the rest of the last cycles of a path, with its interval; None where they do not rest.
 
-    theta : shape (n,), radians, on the lift or not. last : how many cycles are looked at, 20 or more. They rest where
-        the shortest arc that holds them is less than a quarter of a turn; fewer than 20 are too few, and a spread of
-        1e-13 rad is rounding.
+    Parameters
+    ----------
+    theta : shape (n,), radians, on the lift or not.
+    last : how many cycles are looked at, 20 or more.
 
+    Returns
+    -------
+    None also where there are fewer than 20 cycles. They rest where they spread over less than a quarter of a turn
+    about their mean; a spread of 1e-13 rad is rounding.
+
+    Raises
+    ------
+    InvalidInput for angles that are not finite, and fewer than 20 ``last`` cycles.
+
+    Notes
+    -----
     Beside a stable point θ' = θ* + λ(θ - θ*) + ξ: the regression of each angle on the one before falls short of λ by
     some (1 + 3λ)/n (Kendall 1954), and its distribution is skew as λ nears 1, so that interval and value come from
     the λ for which the regression seen is no rarer than 2.5 % on either side, and its median (Andrews 1993), by 2,000
     simulated paths for each of 81 λ from -0.95 to 1 and lines between. Normal kicks are taken that do not depend on
     the past, and a map that does not bend over the rest.
 
+    Examples
+    --------
     >>> rng = np.random.default_rng(0)
     >>> path = [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 200):
@@ -61,7 +75,7 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
         return None
     path = path[-count - 1 :]
     middle = float(np.angle(np.mean(np.exp(1j * path))))
-    away = np.mod(path - middle + np.pi, TWO_PI) - np.pi
+    away = shorter_way(path - middle)
     if not ANGLE < float(np.ptp(away)) < _RESTS:
         return None
     seen = float(_regression(away[None])[0])

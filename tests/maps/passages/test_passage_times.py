@@ -72,7 +72,9 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
-            chain = killed_chain(STICKY, law, (arc,), None, False, every_sample=False, stretch=stretch)
+            chain = killed_chain(
+                STICKY, law, (arc,), ((arc[1], arc[0] + TWO_PI),), False, every_sample=False, stretch=stretch
+            )
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
             assert error <= bound + exact.error_bound
