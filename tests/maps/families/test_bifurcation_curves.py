@@ -40,7 +40,9 @@ def test_edges_of_sine_tongues_end_in_their_tips_at_no_kick_and_agree_with_the_t
     (tip,) = edge.special
     assert tip.kind == "tip" and tip.first.holds(ratio[0] / ratio[1]) and tip.second.holds(0.0)
     assert max(tip.first.error_bound, tip.second.error_bound) < 1e-3
-    for index in np.flatnonzero((edge.second > 0.2) & (edge.second < 1.0))[::6]:
+    within = np.flatnonzero((edge.second > 0.2) & (edge.second < 1.0))[::6]
+    assert within.size >= 2
+    for index in within:
         known = tongue(lambda omega, K=edge.second[index]: CircleMap.arnold(omega, K), ratio, (-0.5, 1.0))
         assert min(abs(edge.first[index] - side) for side in (known.left, known.right)) < 1e-10
 
@@ -110,13 +112,13 @@ def test_saddle_nodes_of_twice_the_period_end_in_the_generalised_flip_that_the_d
     ends = (1.5, 3.5), (-0.6, 0.2)
     (flip,) = period_doublings(lambda K: family(K, -0.4), ends[0], resolution=3)
     (fold,) = saddle_nodes(lambda K: family(K, -0.4), (2.6, 2.9), 2, resolution=3)
-    (told,) = follow_bifurcation(family, flip, -0.4, *ends).special
+    (at_doubling,) = follow_bifurcation(family, flip, -0.4, *ends).special
     curve = follow_bifurcation(family, fold, -0.4, *ends)
     assert "half the period" in curve.ends
-    (met,) = curve.special
-    assert told.kind == met.kind == "generalised flip"
-    for one, other in ((told.first, met.first), (told.second, met.second)):
-        assert abs(one - other) <= one.error_bound + other.error_bound < 1e-8
+    (at_end,) = curve.special
+    assert at_doubling.kind == at_end.kind == "generalised flip"
+    for here, there in ((at_doubling.first, at_end.first), (at_doubling.second, at_end.second)):
+        assert abs(here - there) <= here.error_bound + there.error_bound < 1e-8
 
 
 def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():

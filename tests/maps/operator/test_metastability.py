@@ -57,6 +57,7 @@ def test_equal_wells_hold_equal_shares_on_arcs_that_are_images_of_each_other():
 def test_sets_turn_with_the_map():
     plain = transfer_operator(wells(0.3, 0.05), WrappedNormal(0.3)).metastable_sets()
     turned = transfer_operator(conjugate(wells(0.3, 0.05), 1.0), WrappedNormal(0.3)).metastable_sets()
+    assert len(plain) == 2
     for one, other in zip(plain, turned, strict=True):
         assert abs(one.share - other.share) < 1e-9
         assert abs(one.leaving - other.leaving) <= one.leaving.error_bound + other.leaving.error_bound
@@ -75,7 +76,7 @@ def test_where_noise_soon_connects_everything_nothing_is_held():
 
 def test_bounds_hold_on_random_wells_with_few_modes_and_with_maps_that_are_off():
     """Chances of leaving with half the modes, and of maps moved within ``max_error``, lie within the stated bounds."""
-    rng, off, judged = np.random.default_rng(5), 1e-5, 0
+    rng, off, judged, compared = np.random.default_rng(5), 1e-5, 0, 0
     for _ in range(10):
         deep, tilt, phase, count = (
             rng.uniform(0.25, 0.4),
@@ -96,6 +97,9 @@ def test_bounds_hold_on_random_wells_with_few_modes_and_with_maps_that_are_off()
             error = min(abs(one.leaving - leaving) for leaving in truth.values())
             assert error <= one.leaving.error_bound + max(leaving.error_bound for leaving in truth.values())
             judged += 1
-        for one, other in zip(bounds, beside, strict=len(bounds) == len(beside)):
+        if len(bounds) != len(beside):  # a set at the edge of what counts as held
+            continue
+        for one, other in zip(bounds, beside, strict=True):
             assert abs(one.leaving - other.leaving) <= 1.01 * one.leaving.error_bound
-    assert judged >= 12
+            compared += 1
+    assert judged >= 12 and compared >= 12

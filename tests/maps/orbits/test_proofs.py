@@ -22,7 +22,7 @@ def within(truth, value, bound):
 
 def test_the_tongue_of_the_sine_map_holds_two_points_where_they_are_and_none_outside():
     """sin θ = s/K with s = 2πΩ as a float; multipliers 1 ∓ √(K² - s²), in 60 digits."""
-    random = np.random.default_rng(1)
+    random, beside = np.random.default_rng(1), 0
     for _ in range(12):
         strength, share = random.uniform(0.2, 2.5), random.uniform(0.05, 0.999999)
         inside = CircleMap.arnold(share * strength / TWO_PI, strength)
@@ -38,6 +38,8 @@ def test_the_tongue_of_the_sine_map_holds_two_points_where_they_are_and_none_out
         outside = strength * (1 + 1e-9) / TWO_PI
         if outside + strength / TWO_PI < 1.0:  # else the next tongue begins
             assert fixed_points(CircleMap.arnold(outside, strength), proved=True) == []
+            beside += 1
+    assert beside >= 6
 
 
 def test_multipliers_of_a_moebius_map_follow_from_its_trace():
