@@ -8,12 +8,11 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.estimate import EPS
+from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.continuation import bifurcations
 from cyclemap.maps.families.curve_equations import KINDS, CodimensionTwo, CurveEquations, CurveSpot
 from cyclemap.maps.families.family import Family, Range, break_motion, family_member, parameter_range
-from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break
+from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
 
 _FIRST, _LARGEST, _SMALLEST = 0.01, 0.06, 1e-7  # scaled arclength
 _STRAIGHT, _GROWTH, _MOST_STEPS = 0.95, 1.5, 2_000
@@ -136,24 +135,22 @@ class _CurveWalk:
 
     def _tested(self, here: CurveSpot, solved: CurveSpot, direction: Array) -> None:
         """Record the points of codimension two between two neighbouring solutions."""
-        from scipy.optimize import brentq
-
+        length = float(self.direction @ (solved.at - here.at))
         tests = zip(self.equations.tests(here), self.equations.tests(solved), strict=True)
         for index, ((kind, before, off), (_, after, far)) in enumerate(tests):
             if before * after >= 0.0 or abs(before) <= off or abs(after) <= far:
                 continue
-            length = float(self.direction @ (solved.at - here.at))
-            known = {0.0: here, length: solved}
 
-            def value(s: float, known: dict[float, CurveSpot] = known, index: int = index) -> float:
-                if s not in known:
-                    spot = self.equations.solved(here.at + s * self.direction, self.direction)
-                    if spot is None:
-                        raise ConvergenceError("a point of codimension two could not be reached along its curve")
-                    known[s] = spot
-                return list(self.equations.tests(known[s]))[index][1]
+            def test(spot: CurveSpot, index: int = index) -> float:
+                return list(self.equations.tests(spot))[index][1]
 
-            spot = known[brentq(value, 0.0, length, xtol=1e-14 * length, rtol=8.0 * EPS)]
+            spot = zero_along(
+                (here, solved),
+                length,
+                lambda distance: self.equations.solved(here.at + distance * self.direction, self.direction),
+                test,
+                "a point of codimension two could not be reached along its curve",
+            )
             error = list(self.equations.tests(spot))[index][2]
             shift = error * length / abs(after - before)
             curved = float(np.linalg.norm(direction - self.direction)) / length

@@ -144,7 +144,7 @@ class CurveEquations:
             bend = (member.derivative(theta + above) - member.derivative(theta - below)) / (below + above)
             changes = []
             for tangent in tangents:
-                values = [float(np.prod(one.derivative(theta))) for one in tangent.members]
+                values = [float(np.prod(near.derivative(theta))) for near in tangent.members]
                 changes.append(float(np.dot(tangent.weights, values)) / tangent.step)
             missed, condition = state.multiplier - KINDS[self.kind], np.append(bend * others, changes)
             multipliers = (state.multiplier, state.multiplier)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -220,6 +222,35 @@ class Bifurcation:
         return not self.jump and (self.multiplier - 1.0) * (self.left_multiplier - 1.0) < 0.0
 
 
+Solution = TypeVar("Solution")
+
+
+def zero_along(
+    ends: tuple[Solution, Solution],
+    length: float,
+    solved: Callable[[float], Solution | None],
+    value: Callable[[Solution], float],
+    lost: str,
+) -> Solution:
+    """The solution at which ``value`` is 0, between two on a curve that are ``length`` apart, by its sign there.
+
+    solved : the solution at a distance from the first, or None: then ConvergenceError says what is ``lost``.
+    """
+    from scipy.optimize import brentq
+
+    known = {0.0: ends[0], length: ends[1]}
+
+    def value_at(distance: float) -> float:
+        if distance not in known:
+            solution = solved(distance)
+            if solution is None:
+                raise ConvergenceError(lost)
+            known[distance] = solution
+        return value(known[distance])
+
+    return known[brentq(value_at, 0.0, length, xtol=EPS * length, rtol=8.0 * EPS)]
+
+
 def smooth_bifurcation(
     equations: OrbitEquations, before: OrbitState, after: OrbitState, direction: Array, target: float
 ) -> tuple[OrbitState, Bifurcation]:
@@ -227,23 +258,15 @@ def smooth_bifurcation(
 
     The extended system (orbit, multiplier) is solved by bisection and interpolation along the branch.
     """
-    from scipy.optimize import brentq
-
-    length = float(direction @ (equations.point(after) - equations.point(before)))
-    found: dict[float, OrbitState] = {0.0: before, length: after}
-
-    def excess(s: float) -> float:
-        if s not in found:
-            solved = equations.solved_along(equations.point(before) + s * direction, direction)
-            if solved is None:
-                raise ConvergenceError(
-                    f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost while "
-                    f"its multiplier was brought to {target:g}"
-                )
-            found[s] = solved
-        return found[s].multiplier - target
-
-    at = found[brentq(excess, 0.0, length, xtol=EPS * length, rtol=8.0 * EPS)]
+    begin = equations.point(before)
+    at = zero_along(
+        (before, after),
+        float(direction @ (equations.point(after) - begin)),
+        lambda distance: equations.solved_along(begin + distance * direction, direction),
+        lambda state: state.multiplier - target,
+        f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost while its "
+        f"multiplier was brought to {target:g}",
+    )
     push = equations.push(at.parameter)(at.theta)
     kind = "period-doubling"
     if target > 0.0:

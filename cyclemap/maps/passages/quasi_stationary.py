@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -108,16 +109,21 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 
 def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float, float]:
     """How much the escape rate and the shares of the exits may change by the map's ``max_error``."""
-    total, epsilon = rates.sum(), chain.map.max_error
+    epsilon, total = chain.map.max_error, rates.sum()
     slopes, shares = _slopes(chain, mass, rates), rates / total
-    found = []
-    for slope in (slopes.sum(axis=0), (slopes[0] * shares[1] - slopes[1] * shares[0]) / total):
+
+    def change(slope: Array, quantity: Callable[[Array], Array]) -> float:
+        """To first order, or where maps lead that are off by the signs of ``slope``: whichever is more."""
         moved = [_lasting(chain, chain.images + way * epsilon * np.sign(slope))[1] for way in (-1.0, 1.0)]
-        first_order = epsilon * float(mass @ np.abs(slope))
-        of_rate = max(abs(float(ways.sum() - total)) for ways in moved)
-        of_share = max(float(np.abs(ways / ways.sum() - shares).max()) for ways in moved)
-        found.append((max(first_order, of_rate), max(first_order, of_share)))
-    return found[0][0], found[1][1]
+        far = max(float(np.max(np.abs(quantity(after) - quantity(rates)))) for after in moved)
+        return max(epsilon * float(mass @ np.abs(slope)), far)
+
+    of_rate = change(slopes.sum(axis=0), lambda after: after.sum(keepdims=True))
+    of_share = change(
+        (slopes[0] * shares[1] - slopes[1] * shares[0]) / total,
+        lambda after: np.asarray(after / after.sum()),
+    )
+    return of_rate, of_share
 
 
 def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
