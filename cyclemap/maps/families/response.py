@@ -16,7 +16,7 @@ from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import Family, ParameterTangent, Range, parameter_range, parameter_tangent
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
-from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values, moments_against
+from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import Arc, arc_ends, killed_chain, outside_of, required_inside
@@ -101,7 +101,7 @@ class Response:
 
         def moments(basis: FourierDiscretisation) -> Array:
             theta, weight = basis.rule
-            return moments_against(basis, theta, weight * checked_values(function, theta))
+            return basis.integrals(theta, weight * checked_values(function, theta))
 
         return self._estimated(moments, 0.0)
 
@@ -112,7 +112,7 @@ class Response:
 
         def moments(basis: FourierDiscretisation) -> Array:
             theta, weight = basis.rule
-            return moments_against(basis, theta, weight * basis.map.turn(theta) / TWO_PI)
+            return basis.integrals(theta, weight * basis.map.turn(theta) / TWO_PI)
 
         return self._estimated(moments, 1.0 / TWO_PI)
 

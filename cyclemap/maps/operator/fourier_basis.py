@@ -232,6 +232,15 @@ class FourierDiscretisation:
         """(m, k): E z(F(θ) + ξ) at the angles for the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
         return self.dual(self.map(theta), _times(self.kappa, dual))
 
+    def density(self, theta: Array, law: Array) -> Array:
+        """(m,): the density with coefficients ``law``, per radian, at the angles, shape (m,)."""
+        return self.dual(theta, self._scale * law)
+
+    def integrals(self, theta: Array, mass: Array) -> Array:
+        """(n,): Σ mass φ_j(θ) over the angles."""
+        blocks = WavesInBlocks(theta, self.modes)
+        return np.asarray(self._scale * np.sum([here @ mass[part] for part, here in blocks], axis=0))
+
     def on_nodes(self, law: Any) -> Any:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
         return np.concatenate([before.T @ _times(self._scale, law) for _, before in self._before])

@@ -19,7 +19,6 @@ from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 from cyclemap.maps.quadrature import arc_rule
 
-_ENTRIES = 400_000  # nodes times basis functions handled at a time: few enough for the processor's cache
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 _POINTS = 8  # grid points a basis function
 _NOT_UNIQUE = "the stationary law is not unique to rounding: raise the noise"
@@ -99,7 +98,7 @@ class FourierLaw(StationaryLaw):
 
     def density(self, theta: Array) -> Array:
         """The density per radian at angles, shape (m,)."""
-        return density_at(self.basis, theta, self.coefficients)
+        return self.basis.density(theta, self.coefficients)
 
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
@@ -193,13 +192,13 @@ class FourierLaw(StationaryLaw):
         found, rounding = [], 0.0
         for theta, weight in rules or (basis.rule, fine.rule):
             values = checked_values(function, theta)
-            mass = weight * density_at(basis, theta, law)
+            mass = weight * basis.density(theta, law)
             found.append(float(np.dot(mass, values)))
             rounding = INTEGRAL * float(np.dot(np.abs(mass), np.abs(values)))
         rough, value = found
         bound = abs(value - rough) + rounding
-        bound += abs(float(np.dot(weight * values, density_at(fine, theta, correction))))
-        moments = moments_against(basis, theta, weight * values)
+        bound += abs(float(np.dot(weight * values, fine.density(theta, correction))))
+        moments = basis.integrals(theta, weight * values)
         bound += self._dual_bound(moments)
         return Estimate(value, bound + self.map_error(moments, direct))
 
@@ -242,7 +241,7 @@ class FourierLaw(StationaryLaw):
         theta, weight = basis.rule
         turn, mass = basis.map.turn(theta), weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
-        dual = self.dual(moments_against(basis, theta, weight * turn))
+        dual = self.dual(basis.integrals(theta, weight * turn))
         later = (basis.kappa * dual) @ waves(basis.map(theta), basis.modes)  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
         found = 0.5 * correlated + basis.noise.variance * (0.5 + float(np.dot(mass, basis.expected_slope(dual))))
@@ -258,17 +257,3 @@ def checked_values(function: Callable[[Array], Array], theta: Array) -> Array:
     if values.shape != theta.shape:
         raise InvalidInput(f"function turns shape {theta.shape} into {values.shape}: it must act entry by entry")
     return values
-
-
-def moments_against(basis: FourierDiscretisation, theta: Array, mass: Array) -> Array:
-    """(n,): Σ mass φ_j(θ), in blocks."""
-    step = max(64, _ENTRIES // basis.size)
-    parts = [mass[at : at + step] @ basis.evaluate(theta[at : at + step]) for at in range(0, theta.size, step)]
-    return np.asarray(np.sum(parts, axis=0))
-
-
-def density_at(basis: FourierDiscretisation, theta: Array, coefficients: Array) -> Array:
-    """The density at many angles, in blocks."""
-    step = max(64, _ENTRIES // basis.size)
-    parts = [basis.evaluate(theta[at : at + step]) @ coefficients for at in range(0, theta.size, step)]
-    return np.concatenate(parts) if parts else np.zeros(0)
