@@ -92,8 +92,8 @@ class Response:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
         basis = self._basis
-        found, _ = self._moved(FourierLaw(basis), basis.evaluate(angles.ravel()).T)
-        return found.reshape(angles.shape)
+        moved, _ = self._moved(FourierLaw(basis), basis.evaluate(angles.ravel()).T)
+        return moved.reshape(angles.shape)
 
     @one_thread
     def expectation(self, function: Callable[[Array], Array]) -> Estimate:
@@ -119,13 +119,13 @@ class Response:
     @cached_property
     def stable_points(self) -> tuple[tuple[float, Estimate], ...]:
         """(θ, dθ/dp) of the stable fixed points of the map without noise: ∂F/∂p over 1 - F'."""
-        found = []
+        moving = []
         for orbit in fixed_points(self.operator.map):
             if orbit.stable:
                 near, far = (float(push(orbit.points)[0]) / (1.0 - orbit.multiplier) for push in (self.near, self.far))
                 rounding = 64.0 * EPS / (self.near.step * (1.0 - orbit.multiplier))
-                found.append((float(orbit.points[0]), Estimate((4.0 * near - far) / 3.0, abs(near - far) + rounding)))
-        return tuple(found)
+                moving.append((float(orbit.points[0]), Estimate((4.0 * near - far) / 3.0, abs(near - far) + rounding)))
+        return tuple(moving)
 
     @one_thread
     def mean_passage_time(self, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:

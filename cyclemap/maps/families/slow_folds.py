@@ -67,7 +67,7 @@ def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: in
     speed = finite_number("rate", rate)
     if speed == 0.0:
         raise InvalidInput("rate is 0: a parameter that stands still loses nothing; give its change a cycle")
-    found = []
+    lost = []
     for fold in saddle_nodes(family, within, 1, winding):
         p, theta = float(fold.parameter), fold.points
         member = family_member(family, p)
@@ -75,5 +75,5 @@ def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: in
         push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)
-            found.append(SlowFold(fold, delay, p + speed * delay, speed))
-    return found[:: 1 if speed > 0.0 else -1]
+            lost.append(SlowFold(fold, delay, p + speed * delay, speed))
+    return lost[:: 1 if speed > 0.0 else -1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -176,7 +177,7 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
             return jet
 
         return inner
-    inner = _cubic(lift) if isinstance(lift, PiecewiseCubic) else _formula(lift)
+    inner = partial(_of_cubics, lift) if isinstance(lift, PiecewiseCubic) else partial(_of_formula, lift)
     if circle_map.max_error == 0.0 and bound == 0.0 and not isinstance(lift, PiecewiseCubic):
         return inner
     if circle_map.max_error == 0.0 or bound == 0.0:
@@ -198,49 +199,40 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
     return inexact
 
 
-def _formula(lift: Callable[[Any], Any]) -> IntervalLift:
-    def call(jet: Jet) -> Jet:
-        given = np.array([jet], dtype=object)
-        try:
-            value = lift(given)[0]
-            result: Jet = value if isinstance(value, Jet) else 0 * jet + value  # a constant becomes a jet
-        except Exception as error:
-            raise InvalidInput(
-                f"no proof: the lift does not take intervals ({type(error).__name__}: {error}); {_WRITTEN}"
-            ) from error
-        return result
-
-    return call
+def _of_formula(lift: Callable[[Any], Any], jet: Jet) -> Jet:
+    try:
+        value = lift(np.array([jet], dtype=object))[0]
+        return value if isinstance(value, Jet) else 0 * jet + value  # a constant becomes a jet
+    except Exception as error:
+        raise InvalidInput(
+            f"no proof: the lift does not take intervals ({type(error).__name__}: {error}); {_WRITTEN}"
+        ) from error
 
 
-def _cubic(pieces: PiecewiseCubic) -> IntervalLift:
+def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
     """The hull of all cubics that an interval meets."""
     arb = ball_library().arb
-
-    def call(jet: Jet) -> Jet:
-        if not float(jet.value.rad()) < np.pi:  # a turn or more, or unknown
-            return Jet(arb.nan(), arb.nan())
-        turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
-        base = jet.value - 2 * arb.pi() * turns
-        low, high = np.nextafter(float(base.lower()), -np.inf), np.nextafter(float(base.upper()), np.inf)
-        hull: Jet | None = None
-        for lap in (-1, 0, 1):
-            start = lap * TWO_PI
-            first = int(np.searchsorted(pieces.knots, low - start, side="right")) - 1
-            last = int(np.searchsorted(pieces.knots, high - start, side="left"))
-            # A neighbour more on either side is never wrong, as ``start`` is rounded.
-            for index in range(max(first - 1, 0), min(last + 1, pieces.knots.size - 1)):
-                left = float(pieces.knots[index] + start)
-                begin, end = max(low, left), min(high, float(pieces.knots[index + 1] + start))
-                if begin > end:
-                    continue
-                offset = arb(begin).union(arb(end)) - left
-                c0, c1, c2, c3 = pieces.coefficients[:, index].tolist()
-                climb = 2 * arb.pi() * (pieces.degree * (lap + turns))
-                value = ((c3 * offset + c2) * offset + c1) * offset + c0 + climb
-                slope = (3 * c3 * offset + 2 * c2) * offset + c1
-                hull = Jet(value, slope) if hull is None else Jet(hull.value.union(value), hull.slope.union(slope))
-        assert hull is not None
-        return Jet(hull.value, hull.slope * jet.slope)
-
-    return call
+    if not float(jet.value.rad()) < np.pi:  # a turn or more, or unknown
+        return Jet(arb.nan(), arb.nan())
+    turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
+    base = jet.value - 2 * arb.pi() * turns
+    low, high = np.nextafter(float(base.lower()), -np.inf), np.nextafter(float(base.upper()), np.inf)
+    hull: Jet | None = None
+    for lap in (-1, 0, 1):
+        start = lap * TWO_PI
+        first = int(np.searchsorted(pieces.knots, low - start, side="right")) - 1
+        last = int(np.searchsorted(pieces.knots, high - start, side="left"))
+        # A neighbour more on either side is never wrong, as ``start`` is rounded.
+        for index in range(max(first - 1, 0), min(last + 1, pieces.knots.size - 1)):
+            left = float(pieces.knots[index] + start)
+            begin, end = max(low, left), min(high, float(pieces.knots[index + 1] + start))
+            if begin > end:
+                continue
+            offset = arb(begin).union(arb(end)) - left
+            c0, c1, c2, c3 = pieces.coefficients[:, index].tolist()
+            climb = 2 * arb.pi() * (pieces.degree * (lap + turns))
+            value = ((c3 * offset + c2) * offset + c1) * offset + c0 + climb
+            slope = (3 * c3 * offset + 2 * c2) * offset + c1
+            hull = Jet(value, slope) if hull is None else Jet(hull.value.union(value), hull.slope.union(slope))
+    assert hull is not None
+    return Jet(hull.value, hull.slope * jet.slope)

@@ -143,8 +143,8 @@ class CellLaw(StationaryLaw):
         angle = np.mod(theta, TWO_PI)
         still = replace(cells, halfwidth=0.0)
         blocks = [
-            self.coefficients @ still.between(part - halfwidth, part + halfwidth)
-            for part in np.array_split(angle, 1 + angle.size // 1_000)
+            self.coefficients @ still.between(block - halfwidth, block + halfwidth)
+            for block in np.array_split(angle, 1 + angle.size // 1_000)
         ]
         return np.concatenate(blocks) / (2.0 * halfwidth)
 
@@ -206,8 +206,8 @@ class CellLaw(StationaryLaw):
 
     def distance_from_uniform(self) -> Estimate:
         """½∫|p - 1/2π|: of the masses exactly."""
-        found = 0.5 * float(np.sum(np.abs(self.coefficients - self.basis.uniform)))
-        return Estimate(found, 0.5 * (self.mass_error + self._within))
+        distance = 0.5 * float(np.sum(np.abs(self.coefficients - self.basis.uniform)))
+        return Estimate(distance, 0.5 * (self.mass_error + self._within))
 
     def diffusion(self) -> Estimate:
         """Refused: InvalidInput."""

@@ -61,8 +61,8 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
     if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
         from scipy.linalg import eig
 
-        found = eig(deflated, left=True)
-        values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
+        solved = eig(deflated, left=True)
+        values, left, right = (np.asarray(array, dtype=np.complex128) for array in solved)
         # As many as the iteration gives.
         several = _falling(values)[: wanted + _COPIES]
         values, left, right = values[several], left[:, several].conj(), right[:, several]

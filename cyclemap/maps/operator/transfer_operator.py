@@ -261,7 +261,7 @@ class TransferOperator:
         >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta) + 0.05 * np.sin(theta))
         >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
-        >>> [(round(one.share, 4), round(1 / one.leaving)) for one in held]
+        >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]
         [(0.8779, 10269), (0.1221, 1428)]
         """
         if not isinstance(self.law, FourierLaw):

@@ -18,8 +18,8 @@ def paths(multiplier, count=200, size=101, seed=3):
 @pytest.mark.parametrize("multiplier", [-0.5, 0.0, 0.8, 0.97])
 def test_intervals_hold_the_truth_in_95_of_100_paths_and_the_value_lies_above_it_as_often_as_below(multiplier):
     found = [rest_multiplier(path) for path in paths(multiplier)]
-    held = np.mean([one.lower <= multiplier <= one.upper for one in found])
-    above = np.mean([one.value > multiplier for one in found])
+    held = np.mean([rest.lower <= multiplier <= rest.upper for rest in found])
+    above = np.mean([rest.value > multiplier for rest in found])
     # Three standard deviations of 200 trials.
     assert held >= 0.95 - 0.047 and 0.5 - 0.106 <= above <= 0.5 + 0.106
 
@@ -29,8 +29,8 @@ def test_it_is_the_multiplier_of_the_fixed_point_that_a_noisy_map_rests_at_on_th
     (stable,) = [orbit for orbit in fixed_points(sticky) if orbit.stable]
     climbing = sample_staircases(sticky, WrappedNormal(0.01), 160, np.full(40, stable.points[0]), seed=2)
     found = [rest_multiplier(path) for path in climbing]
-    assert np.mean([one.lower <= stable.multiplier <= one.upper for one in found]) > 0.85
-    assert all(abs(one.theta - stable.points[0]) < 0.1 and one.cycles == 100 for one in found)
+    assert np.mean([rest.lower <= stable.multiplier <= rest.upper for rest in found]) > 0.85
+    assert all(abs(rest.theta - stable.points[0]) < 0.1 and rest.cycles == 100 for rest in found)
     wrapped = rest_multiplier(np.mod(climbing[0] + 6.0 * np.pi - stable.points[0], 2 * np.pi))
     assert abs(wrapped.value - found[0].value) < 1e-9
 
