@@ -21,13 +21,12 @@ class SlowFold:
     """A saddle-node at which a parameter that moves takes a stable fixed point away.
 
     fold : the saddle-node, its parameter with a bound. delay_cycles : how many cycles after the parameter has passed it
-        the path has left. parameter : the parameter by then. rate : its change a cycle.
+        the path has left. parameter : the parameter by then.
     """
 
     fold: Bifurcation
     delay_cycles: float
     parameter: float
-    rate: float
 
 
 def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: int = 0) -> list[SlowFold]:
@@ -75,5 +74,5 @@ def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: in
         push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)
-            lost.append(SlowFold(fold, delay, p + speed * delay, speed))
+            lost.append(SlowFold(fold, delay, p + speed * delay))
     return lost[:: 1 if speed > 0.0 else -1]

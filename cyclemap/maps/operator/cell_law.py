@@ -30,15 +30,19 @@ _SAMPLED = 1.02  # times the steepest that samples show of 1/F'
 class CellDiscretisation:
     """The masses of ``count`` cells of the circle, and one cycle as the chances of going from cell to cell.
 
-    map, noise : whose cycle it is; None is no noise. halfwidth : of the noise, radians, 0 for none.
+    map, noise : whose cycle it is; None is no noise.
     """
 
     map: CircleMap
     noise: Noise | None
-    halfwidth: float
     count: int
 
     left_out = np.inf  # no bound on what a cycle makes of functions that vary within the cells
+
+    @property
+    def halfwidth(self) -> float:
+        """Of the noise, radians; 0 for none."""
+        return 0.0 if self.noise is None else self.noise.jump
 
     @cached_property
     def cells(self) -> Cells:
@@ -85,9 +89,7 @@ class CellDiscretisation:
 
 def cell_law(circle_map: CircleMap, noise: Noise | None) -> CellLaw:
     """The law of a map under noise whose density jumps, or without noise; then InvalidInput unless the map expands."""
-    if noise is not None:
-        return CellLaw(CellDiscretisation(circle_map, noise, noise.jump, CELLS))
-    law = CellLaw(CellDiscretisation(circle_map, None, 0.0, NOISELESS_CELLS))
+    law = CellLaw(CellDiscretisation(circle_map, noise, NOISELESS_CELLS if noise is None else CELLS))
     if not np.isfinite(law.variation):
         raise InvalidInput(
             f"the noise is None, and no power of the map up to {_ITERATES} expands (slopes above 1, with breaks "

@@ -66,7 +66,7 @@ def test_halving_the_cells_quarters_the_error_under_uniform_noise_and_halves_the
     law = transfer_operator(sine, UniformNoise(1.0)).law
     fine = law.refined().expectation(np.cos)
     for count in (64, 128, 256):
-        coarse = type(law)(type(law.basis)(sine, UniformNoise(1.0), 1.0, count))
+        coarse = type(law)(type(law.basis)(sine, UniformNoise(1.0), count))
         errors.append(abs(coarse.expectation(np.cos) - fine))
         bounds.append(coarse.expectation(np.cos).error_bound)
     orders = np.log2(np.array([errors, bounds])[:, :-1] / np.array([errors, bounds])[:, 1:])
