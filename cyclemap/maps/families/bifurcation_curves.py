@@ -58,7 +58,7 @@ class _CurveWalk:
     spots: list[CurveSpot] = field(default_factory=list)
     special: list[CodimensionTwo] = field(default_factory=list)
     ending: tuple[Array, Array] | None = None  # where the curve is about to end, scaled, and what that may be off
-    last: Array | None = None  # where that was extrapolated to last
+    extrapolated: Array | None = None  # where it was about to end by the last three solutions
 
     def walked(self) -> _CurveWalk:
         """The walk, once it has ended."""
@@ -85,13 +85,13 @@ class _CurveWalk:
 
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        here, row, length, last = self.spots[-1], self.direction, self.step, False
+        here, row, length, at_edge = self.spots[-1], self.direction, self.step, False
         for k in (-2, -1):
             climb = self.direction[k]
             end = self.equations.ranges[k][1 if climb > 0.0 else 0] / self.equations.scales[k]
             room = max((end - here.at[k]) / climb, 0.0) if climb else np.inf
             if room <= length:
-                length, row, last = room, np.eye(here.at.size)[k], True
+                length, row, at_edge = room, np.eye(here.at.size)[k], True
         if length <= 1e-12:
             self.reason = "end of the plane"
             return
@@ -102,7 +102,7 @@ class _CurveWalk:
         solved = self.equations.solved(guess, row)
         if solved is None or not self._accepted(here, solved):
             self.step *= 0.5
-        elif last:
+        elif at_edge:
             self.reason = self.reason or "end of the plane"
 
     def _accepted(self, here: CurveSpot, solved: CurveSpot) -> bool:
@@ -179,10 +179,10 @@ class _CurveWalk:
         At a tip the spread of F^n - id falls as a whole power of the distance: its straightest root. Where the halves
         of the orbit meet, they come as far apart on the other side: the square of their distance.
         """
-        last, orbit = self.spots[-3:], self.equations.hops.size
-        length = np.array([float(self.direction @ (spot.at - last[-1].at)) for spot in last])
-        spread = np.array([spot.spread for spot in last])
-        apart = np.array([np.linalg.norm(spot.gap) for spot in last]) if orbit % 2 == 0 else np.full(3, np.inf)
+        recent, orbit = self.spots[-3:], self.equations.hops.size
+        length = np.array([float(self.direction @ (spot.at - recent[-1].at)) for spot in recent])
+        spread = np.array([spot.spread for spot in recent])
+        apart = np.array([np.linalg.norm(spot.gap) for spot in recent]) if orbit % 2 == 0 else np.full(3, np.inf)
         candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * orbit + 2)]
         candidates = [*(candidates if spread[-1] < _RIGID else []), ("half the period", apart, 2)]
         best, ending = 0.1, None
@@ -196,12 +196,12 @@ class _CurveWalk:
             return
         reason, measure, distance = ending
         shares = [float(np.prod([b / (b - a) for b in measure if b != a])) for a in measure]
-        at = np.sum([share * spot.at[-2:] for share, spot in zip(shares, last, strict=True)], axis=0)
-        change = np.abs(at - (last[-1].at[-2:] if self.last is None else self.last))
+        at = np.sum([share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0)
+        change = np.abs(at - (recent[-1].at[-2:] if self.extrapolated is None else self.extrapolated))
         self.blocked, self.step = reason, min(self.step, 0.5 * distance)
         if self.ending is None or np.max(change) < np.max(self.ending[1]):  # the one that changed least
             self.ending = at, change + 1e-12
-        self.last = at
+        self.extrapolated = at
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
             self._stop()
 
