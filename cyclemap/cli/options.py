@@ -268,6 +268,18 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     return target
 
 
+def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:
+    """`readable_data` of several; InvalidInput where two would be one, or one is written over another."""
+    read: dict[Path, Path] = {}
+    for path in paths:
+        target = readable_data(path, table, out)
+        if target in read:
+            what = "is given twice" if path == read[target] else f"has the name of {read[target]}: both become {target}"
+            raise InvalidInput(f"{path} {what}; give each once, under a name of its own")
+        read[target] = path
+    return list(read)
+
+
 def _in_our_convention(data: Path, convention: Convention) -> str:
     """A table that every reader takes, or the pushes of files in the MIT layout, as CSV in our convention."""
     from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, load_pushes

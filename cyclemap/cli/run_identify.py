@@ -9,7 +9,7 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.loop import CollectionLoop
@@ -91,7 +91,7 @@ def run_identify(
     shapes = tuple(shape for one in plate for shape in load_plates(one))
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    data, space = [readable_data(path, table, out) for path in data], starting_space(loop, surface)
+    data, space = readable_tables(data, table, out), starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data,

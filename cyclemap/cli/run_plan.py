@@ -12,7 +12,7 @@ from click.core import ParameterSource
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
@@ -57,9 +57,11 @@ def run_plan(
     stem = out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(until_deg), None
     if after:
-        readable = [readable_data(path, TableOptions(), out) for path in after]
+        readable = readable_tables(after, TableOptions(), out)
         with progress_bar("identifying") as report:
             measured = measured_plan(loop, readable, seed=seed, progress=report)
+        for note in measured.notes:
+            click.echo(f"data: {note}", err=True)
         for words in implausible(measured.found, loop.slider.outline.extent):
             click.echo(f"warning: this cannot be right: {words}", err=True)
         loop = measured.loop

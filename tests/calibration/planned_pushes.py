@@ -49,7 +49,8 @@ from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import table_of
 from cyclemap.evidence.push_plan.sensitivity import UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
-from cyclemap.evidence.pushes.planned_table import SET_OFF, filled_text, mark_columns, marks_of, push_noise
+from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
+from cyclemap.evidence.pushes.push_noise import SET_OFF, push_noise
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.inference.measured_floors import FLOORS, PLATES
 from tests.inference.measured_floors import measured as measured_pushes

@@ -19,7 +19,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
 from cyclemap.evidence.push_plan.sensitivity import TARGETS, Target, beliefs, push_sensitivity, target_of
-from cyclemap.evidence.pushes.planned_table import push_noise
+from cyclemap.evidence.pushes.push_noise import push_noise
 
 MOST_PUSHES = 32
 # How far a ruler and a phone are off, m and rad.
