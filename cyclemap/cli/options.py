@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.plain_text import plain_number, plain_whole, printable
@@ -96,6 +97,42 @@ def run_options(command: Command) -> Command:
         click.option("--seed", type=Whole(min=0), default=0, help="Seed of its noise."),
         result_options("COMMAND_MATERIAL.png and .json"),
     )
+
+
+def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
+    """The words of the command that runs, as they were said, without parameters that are left out.
+
+    files_by_name : without the folders of files.
+    """
+    context = click.get_current_context()
+    words = ["cyclemap", str(context.command.name)]
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if not is_said or name in left_out or name not in context.params:
+            continue
+        given, option = context.params[name], parameter.opts[:1]
+        if isinstance(parameter, click.Argument):
+            option = []
+        if given is True:
+            words += option
+            continue
+        for value in given if isinstance(given, tuple) else (given,):
+            words += [*option, value.name if files_by_name and isinstance(value, Path) else str(value)]
+    return words
+
+
+def pair_in_metres(option: str, text: str) -> tuple[float, float]:
+    """The two lengths (m) of a text such as `350,-30`, mm.
+
+    >>> pair_in_metres("--target-mm", "250, -30")
+    (0.25, -0.03)
+    """
+    try:
+        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
+    except ValueError as cause:
+        raise InvalidInput(f"{option} {text!r} is not of the form x,y, such as 350,-30") from cause
+    return x, y
 
 
 def result_options(files: str) -> Callable[[Command], Command]:

@@ -8,11 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
-from cyclemap.cli.options import TableOptions, readable_tables
+from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables, said_command
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
@@ -50,9 +49,10 @@ def run_plan(
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what will be known."""
     if object_file.suffix != ".toml":
         raise InvalidInput(f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with --shape")
-    step = None if grid == FREE else math.radians(_number("--grid", grid))
-    if step is not None and not math.radians(0.1) <= step <= math.pi:
-        raise InvalidInput(f"--grid {grid}: give the degrees between orientations, 0.1 to 180, or {FREE}")
+    step = _orientation_step(grid)
+    room = pair_in_metres("--room-mm", room_mm)
+    if not 0.0 < min(room) <= max(room) <= 100.0:
+        raise InvalidInput(f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400")
     loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
     stem = out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(until_deg), None
@@ -75,7 +75,7 @@ def run_plan(
             pushes,
             target=target,
             grid=step,
-            room=_room(room_mm),
+            room=room,
             seed=seed,
             progress=report,
             read=(1e-3 * error_mm, math.radians(error_deg)),
@@ -100,7 +100,21 @@ def run_plan(
     console.print(f"picture: {picture}")
     console.print(f"for a robot: {robot}")
     console.print(f"to fill in: {table}")
-    console.print(f"next: {_next_command(table)}")
+    following = shlex.join([*said_command("json_target"), "--after", str(table)])
+    console.print(f"next: {following}")
+
+
+def _orientation_step(grid: str) -> float | None:
+    """The angle (rad) between orientations that a hand sets; None for any."""
+    if grid == FREE:
+        return None
+    try:
+        step = plain_number(grid)
+    except ValueError:
+        step = math.nan
+    if not 0.1 <= step <= 180.0:
+        raise InvalidInput(f"--grid {grid!r}: give the degrees between orientations, 0.1 to 180, or {FREE}")
+    return math.radians(step)
 
 
 def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target: str | None) -> None:
@@ -111,24 +125,6 @@ def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target:
     PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
 
 
-def _next_command(table: Path) -> str:
-    """The command that goes on after a table: what was said of floor, room and question is said again."""
-    context = click.get_current_context()
-    words = ["cyclemap", "plan", str(context.params["object_file"])]
-    for option in context.command.params:
-        name = str(option.name)
-        is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if not is_said or name not in context.params or name in ("object_file", "json_target"):
-            continue
-        given = context.params[name]
-        if given is True:
-            words.append(option.opts[0])
-            continue
-        for value in given if isinstance(given, tuple) else (given,):
-            words += [option.opts[0], str(value)]
-    return shlex.join([*words, "--after", str(table)])
-
-
 def _unused(stem: Path, suffix: str, content: bytes) -> Path:
     """Where a table goes that is not there yet, so that one that was filled in is never written over."""
     path, number = stem.with_name(f"{stem.name}{suffix}"), 1
@@ -136,25 +132,6 @@ def _unused(stem: Path, suffix: str, content: bytes) -> Path:
         number += 1
         path = stem.with_name(f"{stem.name}_{number}{suffix}")
     return path
-
-
-def _number(option: str, text: str) -> float:
-    try:
-        return plain_number(text)
-    except ValueError as cause:
-        raise InvalidInput(f"{option} {text!r} is no number") from cause
-
-
-def _room(text: str) -> tuple[float, float]:
-    """The width and depth (m) of a text such as `600,400`, mm.
-
-    >>> _room("600, 400")
-    (0.6, 0.4)
-    """
-    parts = [1e-3 * _number("--room-mm", part.strip()) for part in text.split(",")]
-    if len(parts) != 2 or not 0.0 < min(parts) <= max(parts) <= 100.0:
-        raise InvalidInput(f"--room-mm {text!r}: give the width and depth of the table in mm, such as 600,400")
-    return parts[0], parts[1]
 
 
 def plan_report(plan: PushPlan) -> Json:

@@ -81,7 +81,7 @@ def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, caps
     ("arguments", "words"),
     [
         (["plywood"], "give the file of your object"),
-        (["box.toml", "--grid", "some"], "--grid 'some' is no number"),
+        (["box.toml", "--grid", "some"], "--grid 'some': give the degrees"),
         (["box.toml", "--grid", "0"], "0.1 to 180, or free"),
         (["box.toml", "--room-mm", "600"], "--room-mm '600'"),
         (["box.toml", "--floor", "plywood"], "plywood: a plan needs samples"),
