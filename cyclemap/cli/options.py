@@ -174,22 +174,26 @@ class Whole(click.IntRange):
         return super().convert(_plain(self, plain_whole, value, param, ctx), param, ctx)
 
 
-class Real(click.FloatRange):
-    """A number of a range, which has no nan, or any where no range is given."""
+class Real(click.types.FloatParamType):
+    """Any number."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; a usage error for other than plain digits."""
+        return super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+
+
+class RealRange(click.FloatRange):
+    """A number of a range, which has no nan."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number; a usage error for other than plain digits."""
         found = super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
-        if math.isnan(found) and (self.min is not None or self.max is not None):
+        if math.isnan(found):
             self.fail("nan is in no range", param, ctx)
         return found
 
-    def _describe_range(self) -> str:
-        """The range as the help has it, of which there is none to tell where any number will do."""
-        return "any" if self.min is None and self.max is None else super()._describe_range()
 
-
-def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> Any:
+def _plain(kind: Whole | Real | RealRange, read: Any, value: Any, param: Any, ctx: Any) -> Any:
     try:
         return read(value) if isinstance(value, str) else value
     except ValueError as error:

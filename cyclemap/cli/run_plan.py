@@ -62,7 +62,7 @@ def run_plan(
             measured = measured_plan(loop, readable, seed=seed, progress=report)
         for note in measured.notes:
             click.echo(f"data: {note}", err=True)
-        for words in implausible(measured.found, loop.slider.outline.extent):
+        for words in implausible(measured.identification, loop.slider.outline.extent):
             click.echo(f"warning: this cannot be right: {words}", err=True)
         loop = measured.loop
         write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())

@@ -14,7 +14,7 @@ import cyclemap as cm
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
-from cyclemap.evidence.push_plan.plan_table import table_of
+from cyclemap.evidence.push_plan.plan_table import empty_table
 from cyclemap.evidence.pushes.planned_table import (
     filled_text,
     is_planned,
@@ -37,7 +37,7 @@ STATES = [
 
 def filled(folder: Path, by: str = "corners", states: str = "012", excel: bool = False) -> Path:
     """The table of PUSHES with STATES filled in, to a hundredth of a millimetre."""
-    header, rows = table_of(LOOP, list[SetPush](PUSHES), READ, by)
+    header, rows = empty_table(LOOP, list[SetPush](PUSHES), READ, by)
     frame = pd.DataFrame(rows, columns=header)
     for number, poses in enumerate(STATES):
         for state, pose in zip("012", poses, strict=True):
