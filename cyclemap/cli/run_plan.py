@@ -143,22 +143,22 @@ def plan_report(plan: PushPlan) -> Json:
         "chance_of_lock_in": plan.chance,
         "pushes": [
             {
-                "side": one.push.side,
-                "fraction": one.push.fraction,
-                "angle_deg": degrees(one.push.angle),
-                "push_mm": millimetres(one.push.distance),
-                "set_x_mm": millimetres(one.start.x),
-                "set_y_mm": millimetres(one.start.y),
-                "set_theta_deg": degrees(one.start.theta),
+                "side": planned.push.side,
+                "fraction": planned.push.fraction,
+                "angle_deg": degrees(planned.push.angle),
+                "push_mm": millimetres(planned.push.distance),
+                "set_x_mm": millimetres(planned.start.x),
+                "set_y_mm": millimetres(planned.start.y),
+                "set_theta_deg": degrees(planned.start.theta),
                 "likely_x1_mm": millimetres(float(end[0])),
                 "likely_y1_mm": millimetres(float(end[1])),
                 "likely_theta1_deg": degrees(float(end[2])),
             }
-            for one, end in zip(plan.pushes, plan.ends, strict=True)
+            for planned, end in zip(plan.pushes, plan.ends, strict=True)
         ],
         "knowledge": [
-            {"pushes": one.pushes, "planned": _known(one.planned), "random": _known(one.random)}
-            for one in plan.knowledge
+            {"pushes": after.pushes, "planned": _known(after.planned), "random": _known(after.random)}
+            for after in plan.knowledge
         ],
         "one_push_lost": _known(plan.without),
         "samples": plan.samples,
@@ -192,15 +192,15 @@ def push_table(plan: PushPlan) -> Table:
     """The pushes, a row each."""
     columns = ("push", "side", "at", "slant (°)", "push (mm)", "set to x (mm)", "y (mm)", "θ (°)")
     rows = []
-    for number, one in enumerate(plan.pushes, 1):
-        push, start = one.push, one.start
-        told = [f"{push.fraction:.2f}", f"{math.degrees(push.angle):.0f}", f"{1e3 * push.distance:.0f}"]
-        told += [f"{1e3 * start.x:.0f}", f"{1e3 * start.y:.0f}", f"{math.degrees(start.theta):.0f}"]
-        rows.append((str(number), str(push.side), *told))
+    for number, planned in enumerate(plan.pushes, 1):
+        push, start = planned.push, planned.start
+        cells = [f"{push.fraction:.2f}", f"{math.degrees(push.angle):.0f}", f"{1e3 * push.distance:.0f}"]
+        cells += [f"{1e3 * start.x:.0f}", f"{1e3 * start.y:.0f}", f"{math.degrees(start.theta):.0f}"]
+        rows.append((str(number), str(push.side), *cells))
     return people_table("Pushes, what tells most first", columns, rows)
 
 
 def knowledge_table(plan: PushPlan) -> Table:
     """What will be known after some pushes, planned and random."""
-    rows = [(str(one.pushes), known_words(one.planned), known_words(one.random)) for one in plan.knowledge]
+    rows = [(str(after.pushes), known_words(after.planned), known_words(after.random)) for after in plan.knowledge]
     return people_table("What will be known", ("pushes", "planned", "random"), rows, words=(1, 2))

@@ -169,7 +169,6 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
         return written
     marks = np.reshape(_planned(path, columns, row, IN_OBJECT[4:]), (2, 2))
     seen = np.reshape(places, (2, 2))
-    apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
     reading, reading_turn = np.nan_to_num(_numbers(columns, row, ERRORS))
     allowed = max(_MISTAKEN, 4.0 * float(reading))
     if written is not None:
@@ -180,6 +179,7 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
             told = f"{_WHEN[state]} marks and pose contradict each other by {off:.1f} mm"
             raise DataFileError(f"{where}: {told}: leave one of them empty")
         return written
+    apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
     if abs(measured - apart) > allowed:
         told = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
         raise DataFileError(f"{where}: {told}: measure them again, or leave the row empty")
