@@ -60,8 +60,6 @@ def run_plan(
         readable = readable_tables(after, TableOptions(), out)
         with progress_bar("identifying") as report:
             measured = measured_plan(loop, readable, seed=seed, progress=report)
-        for note in measured.notes:
-            click.echo(f"data: {note}", err=True)
         for words in implausible(measured.identification, loop.slider.outline.extent):
             click.echo(f"warning: this cannot be right: {words}", err=True)
         loop = measured.loop

@@ -66,7 +66,7 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
 
 
 def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]:
-    """Whether what was measured is enough, and how well directions are known."""
+    """Whether what was measured is enough, how well directions are known, and what was read and left out."""
     chance = measured.directions.chance
     if not measured.is_enough(within):
         told = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
@@ -74,7 +74,8 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
         told = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
     else:
         told = f"Enough: it locks in nowhere, with a chance of {1.0 - chance:.0%}"
-    return f"{told}.", uncertainty_sentence(measured.loop.material.name, measured.directions)
+    known = uncertainty_sentence(measured.loop.material.name, measured.directions)
+    return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
 
 
 @picture_style()
