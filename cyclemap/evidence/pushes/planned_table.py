@@ -176,13 +176,13 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
         off = float(np.max(np.hypot(*(seen - by_pose).T)))
         reach = float(np.max(np.hypot(*marks.T)))
         if off > allowed + 4.0 * math.radians(float(reading_turn)) * reach:
-            told = f"{_WHEN[state]} marks and pose contradict each other by {off:.1f} mm"
-            raise DataFileError(f"{where}: {told}: leave one of them empty")
+            contradiction = f"{_WHEN[state]} marks and pose contradict each other by {off:.1f} mm"
+            raise DataFileError(f"{where}: {contradiction}: leave one of them empty")
         return written
     apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
     if abs(measured - apart) > allowed:
-        told = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
-        raise DataFileError(f"{where}: {told}: measure them again, or leave the row empty")
+        distance = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
+        raise DataFileError(f"{where}: {distance}: measure them again, or leave the row empty")
     turned = math.atan2(*(seen[1] - seen[0])[::-1]) - math.atan2(*(marks[1] - marks[0])[::-1])
     middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
     place = 1e-3 * (seen.mean(axis=0) - middle)
@@ -203,8 +203,8 @@ def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
     if not np.isnan(places).any():
         return [1e-3 * place for place in places]
     if not np.isnan(places).all():
-        told = f"fill in all of {', '.join(ROD)}, or none"
-        raise DataFileError(f"{_place(path, columns, row)}: {told}")
+        advice = f"fill in all of {', '.join(ROD)}, or none"
+        raise DataFileError(f"{_place(path, columns, row)}: {advice}")
     length, *touch = _planned(path, columns, row, ("push_mm", *IN_OBJECT[:4]))
     if length <= 0.0:
         raise DataFileError(f"{_place(path, columns, row)}: push_mm is {length:g}: a push is longer than nothing")
