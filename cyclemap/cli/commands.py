@@ -11,6 +11,7 @@ from cyclemap.cli.options import (
     MOST_CYCLES,
     PATH,
     Real,
+    RealRange,
     Whole,
     decorated,
     json_option,
@@ -46,9 +47,12 @@ _OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or
 _LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
 _MARGIN = "Tell how far every setting is from losing or gaining a stable direction: some seconds, minutes under shapes."
 _ASKED = "What is asked: stable directions and whether there are any, the whole map, or where pushes end."
-_NOT_NEGATIVE, _ABOVE_ZERO = Real(min=0.0), Real(min=0.0, min_open=True)
-_SHARE, _PERCENT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.0, max=100.0, max_open=True)
-_WAIT = Real(min=0.01, max=86400.0)
+_NOT_NEGATIVE, _ABOVE_ZERO = RealRange(min=0.0), RealRange(min=0.0, min_open=True)
+_SHARE, _PERCENT = (
+    RealRange(min=0.0, max=1.0, min_open=True, max_open=True),
+    RealRange(min=0.0, max=100.0, max_open=True),
+)
+_WAIT = RealRange(min=0.01, max=86400.0)
 
 
 class _Commands(click.Group):
@@ -315,7 +319,7 @@ command(
     option("--wear", is_flag=True, help="Let the friction change over the cycles."),
     option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
     option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
-    option("--student", type=Real(min=1.0, min_open=True), default=4.0, help=_STUDENT),
+    option("--student", type=RealRange(min=1.0, min_open=True), default=4.0, help=_STUDENT),
     option("--starts", type=Whole(min=1), default=2, help="Searches."),
     option("--seed", type=Whole(min=0), default=0, help="Seed of starts, folds and draws."),
     option("--name", help="Of the material. [default: SURFACE-identified]"),

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.plain_text import plain_number, plain_whole, printable
@@ -98,6 +99,42 @@ def run_options(command: Command) -> Command:
     )
 
 
+def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
+    """The words of the command that runs, as they were said, without parameters that are left out.
+
+    files_by_name : without the folders of files.
+    """
+    context = click.get_current_context()
+    words = ["cyclemap", str(context.command.name)]
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if not is_said or name in left_out or name not in context.params:
+            continue
+        given, option = context.params[name], parameter.opts[:1]
+        if isinstance(parameter, click.Argument):
+            option = []
+        if given is True:
+            words += option
+            continue
+        for value in given if isinstance(given, tuple) else (given,):
+            words += [*option, value.name if files_by_name and isinstance(value, Path) else str(value)]
+    return words
+
+
+def pair_in_metres(option: str, text: str) -> tuple[float, float]:
+    """The two lengths (m) of a text such as `350,-30`, mm.
+
+    >>> pair_in_metres("--target-mm", "250, -30")
+    (0.25, -0.03)
+    """
+    try:
+        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
+    except ValueError as cause:
+        raise InvalidInput(f"{option} {text!r} is not of the form x,y, such as 350,-30") from cause
+    return x, y
+
+
 def result_options(files: str) -> Callable[[Command], Command]:
     """Give a command the options of where results go, and as what; `files` names them in the help."""
     formats = click.Choice(["png", "pdf", "svg"])
@@ -137,22 +174,26 @@ class Whole(click.IntRange):
         return super().convert(_plain(self, plain_whole, value, param, ctx), param, ctx)
 
 
-class Real(click.FloatRange):
-    """A number of a range, which has no nan, or any where no range is given."""
+class Real(click.types.FloatParamType):
+    """Any number."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; a usage error for other than plain digits."""
+        return super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+
+
+class RealRange(click.FloatRange):
+    """A number of a range, which has no nan."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number; a usage error for other than plain digits."""
         found = super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
-        if math.isnan(found) and (self.min is not None or self.max is not None):
+        if math.isnan(found):
             self.fail("nan is in no range", param, ctx)
         return found
 
-    def _describe_range(self) -> str:
-        """The range as the help has it, of which there is none to tell where any number will do."""
-        return "any" if self.min is None and self.max is None else super()._describe_range()
 
-
-def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> Any:
+def _plain(kind: Whole | Real | RealRange, read: Any, value: Any, param: Any, ctx: Any) -> Any:
     try:
         return read(value) if isinstance(value, str) else value
     except ValueError as error:
@@ -266,6 +307,18 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     tell_what_was_read((*words, f"written as {target}"), guessed)
     write_whole(target, text.encode())
     return target
+
+
+def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:
+    """`readable_data` of several; InvalidInput where two would be one, or one is written over another."""
+    read: dict[Path, Path] = {}
+    for path in paths:
+        target = readable_data(path, table, out)
+        if target in read:
+            what = "is given twice" if path == read[target] else f"has the name of {read[target]}: both become {target}"
+            raise InvalidInput(f"{path} {what}; give each once, under a name of its own")
+        read[target] = path
+    return list(read)
 
 
 def _in_our_convention(data: Path, convention: Convention) -> str:

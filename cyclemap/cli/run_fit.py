@@ -98,7 +98,7 @@ def run_fit(
     if len(pushes.unreadable) > MOST_NAMED:
         console.print(f"could not be read: {len(pushes.unreadable)} files in all")
     if any(fit.pushes.has_motion for fit in fits):
-        console.print_table(_table(STATISTICS, [fit.statistics for fit in fits], _statistic, "mean", "σ", "%"))
+        console.print_table(_table(STATISTICS, [fit.statistics for fit in fits], _statistic_fields, "mean", "σ", "%"))
         console.print_table(_table(LAWS, [fit.laws for fit in fits], _law_fields, "RMSE", "%", "cv", "K"))
     told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
     for line in (
@@ -168,7 +168,7 @@ def set_report(fit: SetFit) -> Json:
         "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
         "statistics": {
             "problem": fit.statistics.problem,
-            **{name: None if one is None else _statistics(one, *UNITS[name]) for name, one in given.items()},
+            **{name: None if one is None else _statistics_report(one, *UNITS[name]) for name, one in given.items()},
         },
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
         "dtheta_histogram": None
@@ -189,9 +189,9 @@ def set_report(fit: SetFit) -> Json:
     }
 
 
-def _statistics(one: MotionStatistics, unit: str, scale: float) -> Json:
-    told = {f"{name}_{unit}": number(scale * getattr(one, name)) for name in ("mean", "std")}
-    return {"count": one.count, **told, "percent": number(one.percent)}
+def _statistics_report(statistics: MotionStatistics, unit: str, scale: float) -> Json:
+    sizes = {f"{name}_{unit}": number(scale * getattr(statistics, name)) for name in ("mean", "std")}
+    return {"count": statistics.count, **sizes, "percent": number(statistics.percent)}
 
 
 def _law(found: MotionLaw) -> Json:
@@ -304,10 +304,10 @@ def _table(title: str, parts: Sequence[Any], fields: Callable[[Any, float], list
     return table
 
 
-def _statistic(one: MotionStatistics | None, unit: float) -> list[str]:
-    if one is None:
+def _statistic_fields(statistics: MotionStatistics | None, unit: float) -> list[str]:
+    if statistics is None:
         return [NOTHING] * 3
-    return [f"{unit * one.mean:.2f}", f"{unit * one.std:.2f}", _percent(one.percent)]
+    return [f"{unit * statistics.mean:.2f}", f"{unit * statistics.std:.2f}", _percent(statistics.percent)]
 
 
 def _percent(value: float) -> str:

@@ -9,7 +9,7 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.loop import CollectionLoop
@@ -87,11 +87,11 @@ def run_identify(
     begin = start if floor is None else floor
     surface, fixed = None if begin is None else load_material(begin), fixed_values(fix)
     known = None if floor is None else surface
-    target = None if target_mm is None else target_place(target_mm)
+    target = None if target_mm is None else pair_in_metres("--target-mm", target_mm)
     shapes = tuple(shape for one in plate for shape in load_plates(one))
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    data, space = [readable_data(path, table, out) for path in data], starting_space(loop, surface)
+    data, space = readable_tables(data, table, out), starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data,
@@ -179,19 +179,6 @@ def _conclude(
     following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
     for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
         console.print(line, end="\n" if line else "")
-
-
-def target_place(text: str) -> tuple[float, float]:
-    """The place (m) of a text such as `350,-30`, mm.
-
-    >>> target_place("250, -30")
-    (0.25, -0.03)
-    """
-    try:
-        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
-    except ValueError as cause:
-        raise InvalidInput(f"--target-mm {text!r} is not of the form x,y, such as 350,-30") from cause
-    return x, y
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:

@@ -8,11 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables, said_command
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
@@ -50,17 +49,18 @@ def run_plan(
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what will be known."""
     if object_file.suffix != ".toml":
         raise InvalidInput(f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with --shape")
-    step = None if grid == FREE else math.radians(_number("--grid", grid))
-    if step is not None and not math.radians(0.1) <= step <= math.pi:
-        raise InvalidInput(f"--grid {grid}: give the degrees between orientations, 0.1 to 180, or {FREE}")
+    step = _orientation_step(grid)
+    room = pair_in_metres("--room-mm", room_mm)
+    if not 0.0 < min(room) <= max(room) <= 100.0:
+        raise InvalidInput(f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400")
     loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
     stem = out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(until_deg), None
     if after:
-        readable = [readable_data(path, TableOptions(), out) for path in after]
+        readable = readable_tables(after, TableOptions(), out)
         with progress_bar("identifying") as report:
             measured = measured_plan(loop, readable, seed=seed, progress=report)
-        for words in implausible(measured.found, loop.slider.outline.extent):
+        for words in implausible(measured.identification, loop.slider.outline.extent):
             click.echo(f"warning: this cannot be right: {words}", err=True)
         loop = measured.loop
         write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())
@@ -73,7 +73,7 @@ def run_plan(
             pushes,
             target=target,
             grid=step,
-            room=_room(room_mm),
+            room=room,
             seed=seed,
             progress=report,
             read=(1e-3 * error_mm, math.radians(error_deg)),
@@ -98,7 +98,21 @@ def run_plan(
     console.print(f"picture: {picture}")
     console.print(f"for a robot: {robot}")
     console.print(f"to fill in: {table}")
-    console.print(f"next: {_next_command(table)}")
+    following = shlex.join([*said_command("json_target"), "--after", str(table)])
+    console.print(f"next: {following}")
+
+
+def _orientation_step(grid: str) -> float | None:
+    """The angle (rad) between orientations that a hand sets; None for any."""
+    if grid == FREE:
+        return None
+    try:
+        step = plain_number(grid)
+    except ValueError:
+        step = math.nan
+    if not 0.1 <= step <= 180.0:
+        raise InvalidInput(f"--grid {grid!r}: give the degrees between orientations, 0.1 to 180, or {FREE}")
+    return math.radians(step)
 
 
 def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target: str | None) -> None:
@@ -107,24 +121,6 @@ def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target:
     floor = stem.with_name(f"{stem.name}_measured.toml")
     PeopleConsole().tell(*filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}")
     PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
-
-
-def _next_command(table: Path) -> str:
-    """The command that goes on after a table: what was said of floor, room and question is said again."""
-    context = click.get_current_context()
-    words = ["cyclemap", "plan", str(context.params["object_file"])]
-    for option in context.command.params:
-        name = str(option.name)
-        is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if not is_said or name not in context.params or name in ("object_file", "json_target"):
-            continue
-        given = context.params[name]
-        if given is True:
-            words.append(option.opts[0])
-            continue
-        for value in given if isinstance(given, tuple) else (given,):
-            words += [option.opts[0], str(value)]
-    return shlex.join([*words, "--after", str(table)])
 
 
 def _unused(stem: Path, suffix: str, content: bytes) -> Path:
@@ -136,25 +132,6 @@ def _unused(stem: Path, suffix: str, content: bytes) -> Path:
     return path
 
 
-def _number(option: str, text: str) -> float:
-    try:
-        return plain_number(text)
-    except ValueError as cause:
-        raise InvalidInput(f"{option} {text!r} is no number") from cause
-
-
-def _room(text: str) -> tuple[float, float]:
-    """The width and depth (m) of a text such as `600,400`, mm.
-
-    >>> _room("600, 400")
-    (0.6, 0.4)
-    """
-    parts = [1e-3 * _number("--room-mm", part.strip()) for part in text.split(",")]
-    if len(parts) != 2 or not 0.0 < min(parts) <= max(parts) <= 100.0:
-        raise InvalidInput(f"--room-mm {text!r}: give the width and depth of the table in mm, such as 600,400")
-    return parts[0], parts[1]
-
-
 def plan_report(plan: PushPlan) -> Json:
     """The report of a plan; what will be known in degrees, mm and chances."""
     return {
@@ -164,22 +141,22 @@ def plan_report(plan: PushPlan) -> Json:
         "chance_of_lock_in": plan.chance,
         "pushes": [
             {
-                "side": one.push.side,
-                "fraction": one.push.fraction,
-                "angle_deg": degrees(one.push.angle),
-                "push_mm": millimetres(one.push.distance),
-                "set_x_mm": millimetres(one.start.x),
-                "set_y_mm": millimetres(one.start.y),
-                "set_theta_deg": degrees(one.start.theta),
+                "side": planned.push.side,
+                "fraction": planned.push.fraction,
+                "angle_deg": degrees(planned.push.angle),
+                "push_mm": millimetres(planned.push.distance),
+                "set_x_mm": millimetres(planned.start.x),
+                "set_y_mm": millimetres(planned.start.y),
+                "set_theta_deg": degrees(planned.start.theta),
                 "likely_x1_mm": millimetres(float(end[0])),
                 "likely_y1_mm": millimetres(float(end[1])),
                 "likely_theta1_deg": degrees(float(end[2])),
             }
-            for one, end in zip(plan.pushes, plan.ends, strict=True)
+            for planned, end in zip(plan.pushes, plan.ends, strict=True)
         ],
         "knowledge": [
-            {"pushes": one.pushes, "planned": _known(one.planned), "random": _known(one.random)}
-            for one in plan.knowledge
+            {"pushes": after.pushes, "planned": _known(after.planned), "random": _known(after.random)}
+            for after in plan.knowledge
         ],
         "one_push_lost": _known(plan.without),
         "samples": plan.samples,
@@ -213,15 +190,15 @@ def push_table(plan: PushPlan) -> Table:
     """The pushes, a row each."""
     columns = ("push", "side", "at", "slant (°)", "push (mm)", "set to x (mm)", "y (mm)", "θ (°)")
     rows = []
-    for number, one in enumerate(plan.pushes, 1):
-        push, start = one.push, one.start
-        told = [f"{push.fraction:.2f}", f"{math.degrees(push.angle):.0f}", f"{1e3 * push.distance:.0f}"]
-        told += [f"{1e3 * start.x:.0f}", f"{1e3 * start.y:.0f}", f"{math.degrees(start.theta):.0f}"]
-        rows.append((str(number), str(push.side), *told))
+    for number, planned in enumerate(plan.pushes, 1):
+        push, start = planned.push, planned.start
+        cells = [f"{push.fraction:.2f}", f"{math.degrees(push.angle):.0f}", f"{1e3 * push.distance:.0f}"]
+        cells += [f"{1e3 * start.x:.0f}", f"{1e3 * start.y:.0f}", f"{math.degrees(start.theta):.0f}"]
+        rows.append((str(number), str(push.side), *cells))
     return people_table("Pushes, what tells most first", columns, rows)
 
 
 def knowledge_table(plan: PushPlan) -> Table:
     """What will be known after some pushes, planned and random."""
-    rows = [(str(one.pushes), known_words(one.planned), known_words(one.random)) for one in plan.knowledge]
+    rows = [(str(after.pushes), known_words(after.planned), known_words(after.random)) for after in plan.knowledge]
     return people_table("What will be known", ("pushes", "planned", "random"), rows, words=(1, 2))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import TableOptions, readable_data, said_command
 from cyclemap.cli.output import progress_bar, result_stem
 from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data
@@ -75,21 +75,12 @@ def run_report(options: LoopOptions, data: Path | None, table: TableOptions, res
         pairs=pairs,
         sections=sections,
         downloads=downloads,
-        provenance=provenance_of(found, _command(options, data, reset), inputs),
+        provenance=provenance_of(found, shlex.join(said_command("out", files_by_name=True)), inputs),
     )
     stem = result_stem(out, "report", loop)
     place = stem.with_name(f"{stem.name}.html")
     write_whole(place, page.encode())
     click.echo(f"report: {place} ({len(page.encode()) / 1e3:.0f} kB)")
-
-
-def _command(options: LoopOptions, data: Path | None, reset: bool) -> str:
-    """The command line that makes the report."""
-    words = ["cyclemap", "report", options.material or ""]
-    words += [word for one in options.settings for word in ("--set", one)]
-    words += ["--protocol", options.protocol.name] if options.protocol else []
-    words += ["--data", data.name] if data else []
-    return shlex.join([*words, *["--reset"] * reset])
 
 
 def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress: Progress) -> list[Section]:

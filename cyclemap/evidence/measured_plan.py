@@ -32,20 +32,20 @@ SURE = 0.95
 class MeasuredPlan:
     """What pushes on a floor tell of it.
 
-    loop : on the identified floor. found : the parameters. directions : how well the stable ones are known.
+    loop : on the identified floor. identification : of its parameters. directions : how well the stable ones are known.
     notes : what was read and left out.
     """
 
     loop: CollectionLoop
-    found: Identification
+    identification: Identification
     directions: DirectionUncertainty
     notes: tuple[str, ...]
 
     @property
     def half_width(self) -> float:
         """Half the widest 95 % interval of a stable direction that is likely to be there, rad; 0 where none is."""
-        likely = [one for one in self.directions.directions if one.share > 1.0 - SURE]
-        return 0.5 * max((one.upper - one.lower for one in likely), default=0.0)
+        likely = [direction for direction in self.directions.directions if direction.share > 1.0 - SURE]
+        return 0.5 * max((direction.upper - direction.lower for direction in likely), default=0.0)
 
     def is_enough(self, within: float) -> bool:
         """Whether it is known that the loop locks in, and where to `within` rad, or that it does not."""
@@ -58,15 +58,33 @@ def measured_plan(
 ) -> MeasuredPlan:
     """Identify the floor of a loop from measured pushes, and tell how well its stable directions are then known.
 
-    paths, seed : see `identified_plan`. progress : called with the fraction done.
+    Parameters
+    ----------
+    loop : its material has samples of what is believed of the floor.
+    paths : tables that `readable_data` made readable.
+    seed : of the starts of the search.
+    progress : called with the fraction done.
+
+    Returns
+    -------
+    MeasuredPlan
+
+    Raises
+    ------
+    InvalidInput
+        For data that cannot be read, or that hold a filled-in push twice.
+    ConvergenceError
+        Where no start converges.
     """
     report = progress or (lambda fraction: None)
-    found, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
+    identification, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
     sources, floor = [path.name for path in paths], loop.material
-    material = identified_material(found, f"{floor.name}-measured", sources, plate=loop.slider.name, floor=floor)
+    material = identified_material(
+        identification, f"{floor.name}-measured", sources, plate=loop.slider.name, floor=floor
+    )
     measured = replace(loop, footprint=None).with_material(material)
     directions = direction_uncertainty(measured, part_of(report, 1, 2))
-    return MeasuredPlan(measured, found, directions, notes)
+    return MeasuredPlan(measured, identification, directions, notes)
 
 
 def identified_plan(
@@ -79,19 +97,19 @@ def identified_plan(
 ) -> tuple[Identification, tuple[str, ...]]:
     """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's material believes.
 
-    paths : tables that `readable_data` made readable. A plate that is known stays as it is. Noise is Student's with
-    four degrees of freedom, so that a misread ruler counts little. Returns what was found, and notes on what was read.
-    Raises InvalidInput for data that cannot be read, ConvergenceError where no start converges.
+    loop, paths, seed, progress : see `measured_plan`, and there what is raised. starts : of the search. Returns the
+    identification, and notes on what was read. A plate that is known stays as it is. Noise is Student's with four
+    degrees of freedom, so that a misread ruler counts little.
     """
     floor = loop.material
     collected = collected_blocks(paths, loop, population=True)
     plate = known_plate(floor, collected.loop.slider)
     shapes = () if plate is None or plate.plate == ANY_PLATE else (plate,)
     fixed = known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    told = telling_parameters(collected.blocks, known_beliefs(floor, ELLIPSE))
-    free = [name for name in told if name not in fixed]
+    telling = telling_parameters(collected.blocks, known_beliefs(floor, ELLIPSE))
+    free = [name for name in telling if name not in fixed]
     space = starting_space(loop, floor)
-    found = identify(
+    identification = identify(
         collected.blocks,
         free,
         held_values(collected.blocks, space, free, floor) | fixed,
@@ -103,6 +121,6 @@ def identified_plan(
         space=space,
         progress=progress,
     )
-    if not found.fit.converged:
-        raise ConvergenceError(f"no start converged: {found.fit.message}")
-    return found, collected.notes
+    if not identification.fit.converged:
+        raise ConvergenceError(f"no start converged: {identification.fit.message}")
+    return identification, collected.notes

@@ -205,8 +205,8 @@ def check_motion(
         return None
     rows = rows.iloc[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST)).round().astype(int))]
     written, taken = _Written.of(rows, convention), _Reading(convention)
-    test = _alike(written) if loop is None else _prediction(written, loop)
-    if test is None:
+    test = _Alike(written) if loop is None else _prediction(written, loop)
+    if test is None or test.count < FEWEST:
         return None
     moved = float(np.median(np.hypot(np.hypot(*written.moved.T), test.lever * written.turn)))
     here, best, other, twins = _looked(test, taken)
@@ -375,8 +375,7 @@ class _Alike(_Predicted):
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         """The other sense of angles, and other units of them."""
-        spread = abs(np.exp(1j * self.written.angle).mean()) < _SPREAD
-        if self.count < FEWEST or not spread:
+        if abs(np.exp(1j * self.written.angle).mean()) >= _SPREAD:
             return []
         angles = "clockwise" if taken.convention.sense > 0.0 else "counter-clockwise"
         other = _Reading(replace(taken.convention, angles=angles))
@@ -417,12 +416,6 @@ class _WithTips(_Predicted):
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         return [_Reading(one) for one in _conventions() if one != taken.convention]
-
-
-def _alike(written: _Written) -> _Alike | None:
-    """The pushes at the place where most are; None where those are too few to be like one another."""
-    test = _Alike(written)
-    return test if test.count >= FEWEST else None
 
 
 def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:

@@ -31,7 +31,6 @@ from cyclemap.mechanics import (
     load_material,
     parse_footprint,
 )
-from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.protocol.setting_table import (
@@ -162,17 +161,16 @@ def _same_footprint(one: object, other: object) -> bool:
         bends = np.concatenate([footprint.plate_bend for footprint in (one, other)])
         floors = np.concatenate([footprint.floor_bend for footprint in (one, other)])
         alike = _same(bends[:3], bends[3:]) and _same(floors[:3], floors[3:]) and _same(one.centre, other.centre)
-        return alike and _same_field(one.field, other.field)
+        if one.field is None or other.field is None:
+            return alike and one.field is other.field
+        same_field = _same(one.field.coefficients, other.field.coefficients) and _same(
+            one.field.reach, other.field.reach
+        )
+        return alike and same_field
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
         alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
     return one == other
-
-
-def _same_field(one: FloorField | None, other: FloorField | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    return _same(one.coefficients, other.coefficients) and _same(one.reach, other.reach)
 
 
 def _same(one: object, other: object) -> bool:

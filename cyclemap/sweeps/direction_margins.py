@@ -274,8 +274,8 @@ def change_curve(
     exact = replace(loop, accuracy=_ACCURACY)
 
     @lru_cache(maxsize=64)
-    def family(one: float, two: float) -> CircleMap:
-        member = loop_from_settings({key: one, other: two}, exact)
+    def family(value_of_key: float, value_of_other: float) -> CircleMap:
+        member = loop_from_settings({key: value_of_key, other: value_of_other}, exact)
 
         def slopes(theta: Array) -> Array:
             return run_batch((member,), theta.reshape(1, -1), 1).jacobian[0, :, -1, 0].reshape(theta.shape)

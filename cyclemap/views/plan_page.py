@@ -31,6 +31,10 @@ MM = 1000.0
 _COLUMNS = 4
 # Inches of a panel, of the labels at its left, of the words above, and of the foot.
 _WIDTH, _LEFT, _ABOVE, _BELOW = 3.3, 0.6, 1.35, 0.4
+_FOOT = (
+    "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where it is likely to "
+    "end. Arrow: the rod's centre, from first touch. Millimetres from the near left corner of the room."
+)
 
 
 def known_words(known: Mapping[str, float]) -> str:
@@ -62,7 +66,7 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
 
 
 def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]:
-    """Whether what was measured is enough, and how well directions are known."""
+    """Whether what was measured is enough, how well directions are known, and what was read and left out."""
     chance = measured.directions.chance
     if not measured.is_enough(within):
         told = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
@@ -70,7 +74,8 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
         told = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
     else:
         told = f"Enough: it locks in nowhere, with a chance of {1.0 - chance:.0%}"
-    return f"{told}.", uncertainty_sentence(measured.loop.material.name, measured.directions)
+    known = uncertainty_sentence(measured.loop.material.name, measured.directions)
+    return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
 
 
 @picture_style()
@@ -82,7 +87,7 @@ def plan_page(plan: PushPlan) -> Figure:
     width = _COLUMNS * _WIDTH + 0.2
     figure = new_figure(width, height)
     title, *words = plan_sentences(plan)
-    write_page(figure, title, words, _foot(), top=1.0 - 0.62 / height, letters=185, size=16.0)
+    write_page(figure, title, words, _FOOT, top=1.0 - 0.62 / height, letters=185, size=16.0)
     for number in range(len(plan.pushes)):
         row, column = divmod(number, _COLUMNS)
         left = (_LEFT + column * _WIDTH) / width
@@ -90,13 +95,6 @@ def plan_page(plan: PushPlan) -> Figure:
         axes = figure.add_axes((left, bottom, (_WIDTH - _LEFT) / width, (tall - 0.75) / height))
         _draw_push(axes, plan, number)
     return figure
-
-
-def _foot() -> str:
-    told = "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where it is likely "
-    return (
-        told + "to end. Arrow: the rod's centre, from first touch. Millimetres from the near left corner of the room."
-    )
 
 
 def _draw_push(axes: Axes, plan: PushPlan, number: int) -> None:

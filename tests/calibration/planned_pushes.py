@@ -46,10 +46,11 @@ from cyclemap.evidence.identified_material import sampled_values
 from cyclemap.evidence.measured_plan import identified_plan
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
-from cyclemap.evidence.push_plan.plan_table import table_of
+from cyclemap.evidence.push_plan.plan_table import empty_table
 from cyclemap.evidence.push_plan.sensitivity import UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
-from cyclemap.evidence.pushes.planned_table import SET_OFF, filled_text, mark_columns, marks_of, push_noise
+from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
+from cyclemap.evidence.pushes.push_noise import SET_OFF, push_noise
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.inference.measured_floors import FLOORS, PLATES
 from tests.inference.measured_floors import measured as measured_pushes
@@ -84,7 +85,7 @@ def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfacePar
 
 def filled(loop: cm.CollectionLoop, world: cm.CollectionLoop, pushes: list[SetPush], rng: np.random.Generator) -> str:
     """The table of pushes as it is filled in by somebody with a ruler, and read."""
-    header, rows = table_of(loop, pushes, READ, "corners")
+    header, rows = empty_table(loop, pushes, READ, "corners")
     frame = pd.DataFrame(rows, columns=header).astype({name: float for name in header if name.endswith("_mm")})
     noise, slider = push_noise(READ), loop.slider
     for number, planned in enumerate(pushes):

@@ -81,7 +81,7 @@ def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, caps
     ("arguments", "words"),
     [
         (["plywood"], "give the file of your object"),
-        (["box.toml", "--grid", "some"], "--grid 'some' is no number"),
+        (["box.toml", "--grid", "some"], "--grid 'some': give the degrees"),
         (["box.toml", "--grid", "0"], "0.1 to 180, or free"),
         (["box.toml", "--room-mm", "600"], "--room-mm '600'"),
         (["box.toml", "--floor", "plywood"], "plywood: a plan needs samples"),
@@ -93,6 +93,20 @@ def test_bad_use_is_one_line_that_names_the_value(here, capsys, arguments, words
     assert run(["plan", *arguments]) == 2
     told = capsys.readouterr().err
     assert words in told and told.startswith("error: ") and told.count("\n") == 1
+
+
+def test_a_table_that_is_given_twice_or_would_be_written_over_another_is_refused(here, capsys) -> None:
+    assert run(["plan", "box.toml", "--pushes", "2", "--quiet"]) == 0
+    fill_in(here / "out/plan_box.csv", "isotropic")
+    after = ["--after", "out/plan_box.csv"]
+    for name, words in (("out/plan_box.csv", "is given twice"), ("plan_box.csv", "has the name of")):
+        Path(name).write_bytes(Path("out/plan_box.csv").read_bytes())
+        capsys.readouterr()
+        assert run(["plan", "box.toml", *after, "--after", name]) == 2
+        assert words in capsys.readouterr().err
+    Path("copy.csv").write_bytes(Path("plan_box.csv").read_bytes())
+    assert run(["plan", "box.toml", *after, "--after", "copy.csv"]) == 2
+    assert "would count twice" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -64,8 +64,9 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
     told_push,
 )
-from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE, push_noise
+from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_noise import push_noise
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, ENDS, PushTable, UnreadableFile, load_pushes, named_column
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
@@ -201,6 +202,8 @@ class BlockBuilder:
         self.tip_errors: dict[str, float] = {}
         # Pushes by plate and session.
         self.pushes: dict[str, dict[str, list[MeasuredPush]]] = {}
+        # Filled-in pushes by their numbers: where each was read.
+        self.filled: dict[tuple[str, ...], str] = {}
         self.notes: list[FileNote] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
@@ -445,9 +448,21 @@ class BlockBuilder:
             block = push_end_block(kept, self.loop.slider, self.target, frames_agree)
             self._add(block, f"{_counted(kept, pushes)} push ends", noise)
 
+    def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+        """Refuse a filled-in push that was read before, which would count twice: ten readings never come again."""
+        if not {FRAMES_AGREE, *ERRORS} & {*table.header}:
+            return
+        for row in rows:
+            readings = tuple(table.text(row, name) for name in PUSH_END_COLUMNS)
+            if readings in self.filled:
+                again = f"the push of {self.filled[readings]} again, all readings the same, would count twice"
+                raise table.error(row.line, f"{again}: leave one of them out")
+            self.filled[readings] = f"{table.path}, line {row.line},"
+
     def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
         if sort == PUSH_ENDS:
+            self._refuse_repeated(table, rows)
             pushes = read_measured_pushes(table, rows)
             astray = [error for row in rows if (error := tip_error(table, row)) <= LARGEST_TIP_ERROR]
             self.tip_errors[self.session] = float(np.mean(astray)) if astray else 0.0

@@ -18,8 +18,8 @@ from cyclemap.checks import non_negative_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
-from cyclemap.evidence.push_plan.sensitivity import TARGETS, Target, beliefs, push_sensitivity, target_of
-from cyclemap.evidence.pushes.planned_table import push_noise
+from cyclemap.evidence.push_plan.sensitivity import TARGETS, Target, push_sensitivity, sampled_beliefs, target_of
+from cyclemap.evidence.pushes.push_noise import push_noise
 
 MOST_PUSHES = 32
 # How far a ruler and a phone are off, m and rad.
@@ -123,7 +123,7 @@ def plan_pushes(
         positive_number("width and depth of a room", side)
     noise = push_noise((non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1])))
     report = progress or (lambda fraction: None)
-    known = beliefs(loop, whole_number("samples", samples, least=2))
+    known = sampled_beliefs(loop, whole_number("samples", samples, least=2))
     longest = 0.6 * max(room)
     offered = candidate_pushes(loop, whole_number("candidates", candidates, least=asked), grid, longest, seed)
     ends, by, by_set = push_sensitivity(known, offered, noise)
@@ -142,9 +142,9 @@ def plan_pushes(
     sets = [rng.permutation(len(kept)).tolist() for _ in range(_RANDOM_SETS)]
     knowledge = []
     for some in sorted({0, asked, *(few for few in COUNTS if few <= len(first))}):
-        drawn = [design.told(order[:some]) for order in sets]
-        mean = {name: math.sqrt(float(np.mean([one[name] ** 2 for one in drawn]))) for name in drawn[0]}
-        knowledge.append(Knowledge(some, design.told(chosen if some == asked else first[:some]), mean))
+        drawn = [design.knowledge(order[:some]) for order in sets]
+        mean = {name: math.sqrt(float(np.mean([after[name] ** 2 for after in drawn]))) for name in drawn[0]}
+        knowledge.append(Knowledge(some, design.knowledge(chosen if some == asked else first[:some]), mean))
     losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
     missed = chosen[int(np.argmax(losses))]
     report(1.0)
@@ -157,7 +157,7 @@ def plan_pushes(
         pushes,
         likely,
         tuple(knowledge),
-        design.told([index for index in chosen if index != missed]),
+        design.knowledge([index for index in chosen if index != missed]),
         wanted.chance,
         room,
         read,
@@ -194,7 +194,7 @@ class Design:
         """What is to be small, after these pushes."""
         return float(self.target.loss(self.variance(chosen)))
 
-    def told(self, chosen: list[int]) -> dict[str, float]:
+    def knowledge(self, chosen: list[int]) -> dict[str, float]:
         """What is known after these pushes, by name."""
         return self.target.words(self.variance(chosen))
 

@@ -28,11 +28,11 @@ ROBOT = ("push", "set_x_mm", "set_y_mm", "set_theta_deg", *_POINTS)
 
 
 def table_to_fill(plan: PushPlan, by: str = "corners", excel: bool = False) -> bytes:
-    """Return the table that asks for what is measured of each push, as a CSV or an Excel file; see `table_of`."""
-    return table_bytes(*table_of(plan.loop, plan.pushes, plan.read, by), excel)
+    """Return the table that asks for what is measured of each push, as a CSV or an Excel file; see `empty_table`."""
+    return table_bytes(*empty_table(plan.loop, plan.pushes, plan.read, by), excel)
 
 
-def table_of(
+def empty_table(
     loop: CollectionLoop, pushes: Sequence[SetPush], read: tuple[float, float], by: str
 ) -> tuple[list[str], list[list[object]]]:
     """Return the header and the rows of a table to fill in.
@@ -43,15 +43,21 @@ def table_of(
     columns = mark_columns if by == "corners" else pose_columns
     empty = [name for state in "012" for name in columns(state)]
     empty += [] if by == "corners" else [*ROD]
-    marks = [MM * part for mark in marks_of(loop.slider) for part in mark]
+    marks = [MM * coordinate for mark in marks_of(loop.slider) for coordinate in mark]
     rows = []
     for number, planned in enumerate(pushes, 1):
         push, start = planned.push, planned.start
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
-        told: list[object] = [number, loop.slider.name, push.side, push.fraction, *_rounded([math.degrees(push.angle)])]
-        told += _rounded([MM * push.distance, MM * start.x, MM * start.y, math.degrees(start.theta)])
+        set_up: list[object] = [
+            number,
+            loop.slider.name,
+            push.side,
+            push.fraction,
+            *_rounded([math.degrees(push.angle)]),
+        ]
+        set_up += _rounded([MM * push.distance, MM * start.x, MM * start.y, math.degrees(start.theta)])
         fixed = _rounded([*(MM * place), *way, *marks, MM * read[0], math.degrees(read[1])])
-        rows.append([*told, *[None] * len(empty), *fixed])
+        rows.append([*set_up, *[None] * len(empty), *fixed])
     return [*SET_UP, *empty, *IN_OBJECT, *ERRORS], rows
 
 
@@ -66,11 +72,11 @@ def robot_schedule(plan: PushPlan) -> bytes:
         first, last = (np.array(place) for place in planned.rod(plan.loop.slider, plan.loop.pusher.radius))
         approach = first - APPROACH * (last - first) / planned.push.distance
         ring = planned.start.to_world(*plan.loop.slider.hitch)
-        places = [MM * part for place in (approach, first, last, ring) for part in place]
+        places = [MM * coordinate for place in (approach, first, last, ring) for coordinate in place]
         pose = [MM * planned.start.x, MM * planned.start.y, math.degrees(planned.start.theta)]
         rows.append([number, *_rounded([*pose, *places])])
     return table_bytes(ROBOT, rows, excel=False)
 
 
-def _rounded(numbers: Sequence[float]) -> list[float]:
-    return [round(float(number), 6) + 0.0 for number in numbers]
+def _rounded(values: Sequence[float]) -> list[float]:
+    return [round(float(value), 6) + 0.0 for value in values]

@@ -26,7 +26,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
 from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.pushes.planned_table import SET_OFF
+from cyclemap.evidence.pushes.push_noise import SET_OFF
 from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 
@@ -54,16 +54,16 @@ class Beliefs:
     covariance: Array
 
 
-def beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
+def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
     """Return what the posterior of a loop's material tells; `samples` of it, evenly spread, are looked at.
 
     Raises InvalidInput for a material without samples.
     """
     posterior = loop.material.posterior
     if posterior is None:
-        told = "a plan needs samples of what is believed of the floor"
+        lack = "a plan needs samples of what is believed of the floor"
         mend = "give --floor unknown, plywood-floor, abs-floor, or a file that identify wrote"
-        raise InvalidInput(f"{loop.material.name}: {told}: {mend}")
+        raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
     every = [starting_space(sampled_loop(loop, number)).nominal for number in range(len(posterior))]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = np.unique(np.linspace(0, len(every) - 1, min(samples, len(every))).round().astype(int))
@@ -184,7 +184,7 @@ def _direction(known: Beliefs) -> Target:
     has = np.array([[place < len(row) for place in range(1, most)] for row in rows]).reshape(len(rows), most - 1)
     locks = has.any(axis=1)
 
-    def parts(variance: Array) -> tuple[Array, Array]:
+    def errors(variance: Array) -> tuple[Array, Array]:
         """Chance (..., s) of a wrong answer to whether it locks, and mean square error of directions (..., s)."""
         from scipy.special import ndtr
 
@@ -193,12 +193,12 @@ def _direction(known: Beliefs) -> Target:
         return wrong, (capped * has).sum(axis=-1) / np.maximum(has.sum(axis=-1), 1)
 
     def loss(variance: Array) -> Array:
-        wrong, square = parts(variance)
+        wrong, square = errors(variance)
         return np.asarray((wrong * ANY_DIRECTION**2 + (1.0 - wrong) * square).mean(axis=-1))
 
     def words(variance: Array) -> dict[str, float]:
-        wrong, square = parts(variance)
-        told = {"wrong": float(wrong.mean())}
-        return told | ({"direction": math.sqrt(float(square[locks].mean()))} if locks.any() else {})
+        wrong, square = errors(variance)
+        chances = {"wrong": float(wrong.mean())}
+        return chances | ({"direction": math.sqrt(float(square[locks].mean()))} if locks.any() else {})
 
     return Target(gradient, loss, words, float(locks.mean()))

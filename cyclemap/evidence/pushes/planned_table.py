@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
@@ -16,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
-from cyclemap.errors import DataFileError
+from cyclemap.arrays import shorter_way
+from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.pushes.measured_strokes import DRAG_COLUMNS, PUSH_END_COLUMNS
 from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
@@ -34,30 +35,10 @@ ROD = ("rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm")
 FRAMES_AGREE = "frames_agree"
 _STATES = "012"
 _WHEN = dict(zip(_STATES, ("before the push", "after the push", "after the drag"), strict=True))
-# Marks that are further from their distance on the object than this, or than four readings allow, were mistaken, mm.
+# Marks that are further off than this, or than four readings allow, were mistaken, mm.
 _MISTAKEN = 5.0
-# How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in drags, rad.
-MISSED, MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
-
-
-# How far off its mark a rod is set by hand, m, and what that adds to a push: about as much, and so much turn, rad.
-SET_OFF, SET_OFF_TURN = 2e-3, math.radians(2.0)
-
-
-def push_noise(read: tuple[float, float], by_hand: bool = False) -> Array:
-    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from what a model says.
-
-    read : m and rad, how far off a reading is. What the best model misses of pushes and drags on real floors comes on
-    top; it is taken as independent from push to push, and of a long push as of a short one. by_hand : whether rods were
-    set by marks, which adds 2 mm and 2 degrees in the median of pushes, and more to those that depend on it.
-
-    >>> along, _, turned, dragged = push_noise((1e-3, 0.0)).tolist()
-    >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)
-    (1.803, 2.0, 6.0)
-    """
-    added = (SET_OFF, SET_OFF_TURN) if by_hand else (0.0, 0.0)
-    along, turned = (math.hypot(*parts) for parts in zip(read, MISSED, added, strict=True))
-    return np.array((along, along, turned, math.hypot(read[1], MISSED_DRAG)))
+# An object so near to half a turn from how it was to be set has marks that were swapped, rad.
+_SWAPPED = math.radians(30.0)
 
 
 def pose_columns(state: str) -> tuple[str, str, str]:
@@ -101,7 +82,9 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
     """Return what a filled table tells, as a CSV table of measured pushes and drags, and words on what was read.
 
     Poses are in m and rad. Rows without a measurement before and after the push are left out; a drag counts where there
-    is one. Raises DataFileError, naming the row, where a state is half measured, or marks are where they cannot be.
+    is one. Marks that seem to be swapped, half a turn from `set_theta_deg`, bring the warning `DoubtfulInput`.
+    Raises DataFileError, naming the row, where a state is half measured, marks are where they cannot be, or a pose and
+    marks contradict each other.
     """
     columns = raw_columns(path, {}, growing=False)
     missing = [name for name in (*SET_UP, *IN_OBJECT) if name not in columns]
@@ -111,6 +94,7 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         )
     count, rows = len(columns["push"]), []
     with_drag, by_robot = 0, 0
+    swapped = list[str]()
     for row in range(count):
         states = {state: _measured_pose(path, columns, row, state) for state in _STATES}
         start, end, back = (states[state] for state in _STATES)
@@ -121,12 +105,18 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         filled = [start.x, start.y, start.theta, end.x, end.y, start.theta + shorter_way(end.theta - start.theta), *rod]
         filled += [math.nan] * 3 if back is None else [back.x, back.y, back.theta]
         with_drag += back is not None
+        if _lies_half_turned(columns, row, start):
+            swapped.append(_place(path, columns, row))
         filled += _errors(path, columns, row)
         rows.append([str(columns["object"][row]), columns["push"][row], *filled])
     if not rows:
         raise DataFileError(
             f"{path}: no push is filled in: measure the object before and after each, and write it down"
         )
+    if swapped:
+        lay = f"{swapped[0]}: the object lay half a turn from set_theta_deg, as in {len(swapped)} of {len(rows)} pushes"
+        mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
+        warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
     names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
     pandas: Any = import_module("pandas")
     frame = pandas.DataFrame(rows, columns=names)
@@ -174,21 +164,37 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
         empty = [name for name, value in zip(names, given, strict=True) if math.isnan(value)]
         if 0 < len(empty) < len(names):
             raise DataFileError(f"{where}: {_WHEN[state]} {empty[0]} is no number; fill in {', '.join(names)}, or none")
-    if not math.isnan(x):
-        return Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
+    written = None if math.isnan(x) else Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
     if math.isnan(places[0]):
-        return None
+        return written
     marks = np.reshape(_planned(path, columns, row, IN_OBJECT[4:]), (2, 2))
     seen = np.reshape(places, (2, 2))
+    reading, reading_turn = np.nan_to_num(_numbers(columns, row, ERRORS))
+    allowed = max(_MISTAKEN, 4.0 * float(reading))
+    if written is not None:
+        by_pose = 1e3 * np.array([written.to_world(*mark) for mark in (1e-3 * marks).tolist()])
+        off = float(np.max(np.hypot(*(seen - by_pose).T)))
+        reach = float(np.max(np.hypot(*marks.T)))
+        if off > allowed + 4.0 * math.radians(float(reading_turn)) * reach:
+            contradiction = f"{_WHEN[state]} marks and pose contradict each other by {off:.1f} mm"
+            raise DataFileError(f"{where}: {contradiction}: leave one of them empty")
+        return written
     apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
-    reading = _numbers(columns, row, ERRORS[:1])[0]
-    if abs(measured - apart) > max(_MISTAKEN, 0.0 if math.isnan(reading) else 4.0 * reading):
-        told = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
-        raise DataFileError(f"{where}: {told}: measure them again, or leave the row empty")
+    if abs(measured - apart) > allowed:
+        distance = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
+        raise DataFileError(f"{where}: {distance}: measure them again, or leave the row empty")
     turned = math.atan2(*(seen[1] - seen[0])[::-1]) - math.atan2(*(marks[1] - marks[0])[::-1])
     middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
     place = 1e-3 * (seen.mean(axis=0) - middle)
     return Pose(float(place[0]), float(place[1]), turned)
+
+
+def _lies_half_turned(columns: Columns, row: int, start: Pose) -> bool:
+    """Whether marks say that an object lay half a turn from how it was to be set; a robot's poses have any frame."""
+    if not math.isnan(_numbers(columns, row, pose_columns("0"))[0]):
+        return False
+    turned = math.remainder(start.theta - math.radians(_numbers(columns, row, ("set_theta_deg",))[0]), 2.0 * math.pi)
+    return math.pi - abs(turned) < _SWAPPED
 
 
 def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
@@ -197,8 +203,8 @@ def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
     if not np.isnan(places).any():
         return [1e-3 * place for place in places]
     if not np.isnan(places).all():
-        told = f"fill in all of {', '.join(ROD)}, or none"
-        raise DataFileError(f"{_place(path, columns, row)}: {told}")
+        advice = f"fill in all of {', '.join(ROD)}, or none"
+        raise DataFileError(f"{_place(path, columns, row)}: {advice}")
     length, *touch = _planned(path, columns, row, ("push_mm", *IN_OBJECT[:4]))
     if length <= 0.0:
         raise DataFileError(f"{_place(path, columns, row)}: push_mm is {length:g}: a push is longer than nothing")

@@ -11,19 +11,19 @@ import pytest
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
-from cyclemap.evidence.push_plan.plan_table import table_of
+from cyclemap.evidence.push_plan.plan_table import empty_table
 from cyclemap.evidence.pushes.planned_table import (
     filled_text,
     is_planned,
     mark_columns,
     marks_of,
     pose_columns,
-    push_noise,
     table_bytes,
 )
+from cyclemap.evidence.pushes.push_noise import push_noise
 from cyclemap.mechanics import Pose, Slider
 
 PLATE = replace(Slider.mit("tri1"), name="wedge")
@@ -37,7 +37,7 @@ STATES = [
 
 def filled(folder: Path, by: str = "corners", states: str = "012", excel: bool = False) -> Path:
     """The table of PUSHES with STATES filled in, to a hundredth of a millimetre."""
-    header, rows = table_of(LOOP, list[SetPush](PUSHES), READ, by)
+    header, rows = empty_table(LOOP, list[SetPush](PUSHES), READ, by)
     frame = pd.DataFrame(rows, columns=header)
     for number, poses in enumerate(STATES):
         for state, pose in zip("012", poses, strict=True):
@@ -107,6 +107,50 @@ def test_what_was_misread_is_refused_with_push_and_state(tmp_path: Path) -> None
     refused(filled_text, path, told="push 3: after the push a_x1_mm is no number", kind=DataFileError)
     frame.drop(columns="way_x").to_csv(path, index=False)
     assert not is_planned(path)
+
+
+def test_a_pose_and_marks_that_contradict_each_other_are_refused_and_else_agree(tmp_path: Path) -> None:
+    path = filled(tmp_path)
+    frame = pd.read_csv(path)
+    end = STATES[3][1]
+    frame.loc[3, list(pose_columns("1"))] = (1e3 * end.x, 1e3 * end.y, math.degrees(end.theta))
+    frame.to_csv(path, index=False)
+    assert as_read(path).loc[3, "x1"] == pytest.approx(end.x, abs=1e-9)
+    # A turn by 30 degrees moves a mark that is 50 mm and more from the middle by 26 mm and more.
+    frame.loc[3, "theta1_deg"] += 30.0
+    frame.to_csv(path, index=False)
+    refused(filled_text, path, told="push 4: after the push marks and pose contradict .* mm", kind=DataFileError)
+
+
+def test_swapped_marks_are_warned_of_and_turned_objects_are_not(tmp_path: Path) -> None:
+    path = filled(tmp_path)
+    names = {
+        f"{one}_{axis}{state}_mm": f"{other}_{axis}{state}_mm"
+        for state in "012"
+        for axis in "xy"
+        for one, other in ("ab", "ba")
+    }
+    frame = pd.read_csv(path)
+    frame.rename(columns=names).to_csv(path, index=False)
+    with pytest.warns(DoubtfulInput, match="push 1: the object lay half a turn .* in 5 of 5 pushes: if marks a and b"):
+        filled_text(path)
+    # A robot's frame may be turned against the room's: its poses are believed.
+    path = filled(tmp_path, "pose")
+    frame = pd.read_csv(path)
+    frame["set_theta_deg"] += 180.0
+    frame.to_csv(path, index=False)
+    assert len(as_read(path)) == len(PUSHES)
+
+
+@pytest.mark.parametrize(("copies", "rows"), [(1, 6), (2, 5)])
+def test_a_push_that_is_read_twice_is_refused(tmp_path: Path, copies: int, rows: int) -> None:
+    path = filled(tmp_path)
+    frame = pd.read_csv(path)
+    pd.concat([frame, frame[1:2]])[:rows].to_csv(path, index=False)
+    paths = [tmp_path / f"read{number}.csv" for number in range(copies)]
+    for copy in paths:
+        copy.write_text(filled_text(path)[0])
+    refused(collected_blocks, paths, LOOP, told="the push of .* again, all readings the same", kind=DataFileError)
 
 
 @pytest.mark.parametrize(
