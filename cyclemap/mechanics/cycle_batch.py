@@ -282,10 +282,11 @@ def derivative_units(model: QuasiStaticModel, names: Sequence[str]) -> Array:
     """
     factors = dict.fromkeys(names, 1.0) | dict.fromkeys(_LENGTHS, 1.0 / model.unit)
     factors |= dict.fromkeys(_FRICTION, 1.0 / model.scale)
-    rows = np.diff(pressure_tables(model.pressure).record["first_row"])
-    for part, count in zip(PARTS, rows.tolist(), strict=True):
-        if part.share is not None and count == 0:
-            factors[part.share] = math.nan
+    if any(part.share in factors for part in PARTS):
+        rows = np.diff(pressure_tables(model.pressure).record["first_row"])
+        for part, count in zip(PARTS, rows.tolist(), strict=True):
+            if part.share is not None and count == 0:
+                factors[part.share] = math.nan
     pressure = model.pressure
     bend = pressure.bend_unit if isinstance(pressure, PressedFootprint) else math.nan
     factors |= dict.fromkeys(SHAPES, bend)

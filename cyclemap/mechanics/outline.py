@@ -4,13 +4,14 @@ inside.
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, positive_number
+from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import InvalidInput
 
 
@@ -155,6 +156,13 @@ class Ellipse:
 Outline = Polygon | Ellipse
 
 
+@cache
+def gauss_rule(order: int) -> tuple[Array, Array]:
+    """Return Gauss's nodes (order,) in the unit interval, and their weights, of sum one."""
+    node, weight = np.polynomial.legendre.leggauss(order)
+    return read_only((node + 1.0) / 2.0), read_only(weight / 2.0)
+
+
 def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
     """Return points (k, 2) and weights (k,) of the mean over an outline, exact up to degree 2 order
     - 2.
@@ -162,20 +170,20 @@ def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
     if isinstance(outline, Ellipse):
         # Gauss in the squared radius, equal angles around.
         count = 2 * order + 4
-        node, weight = np.polynomial.legendre.leggauss(order + 2)
+        node, weight = gauss_rule(order + 2)
         radius, angle = np.meshgrid(
-            np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
+            np.sqrt(node), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
         )
         places = np.stack(
             [outline.semi_x * radius * np.cos(angle), outline.semi_y * radius * np.sin(angle)],
             axis=-1,
         )
-        return places.reshape(-1, 2), np.repeat(weight / 2.0 / count, count)
+        return places.reshape(-1, 2), np.repeat(weight / count, count)
     # Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in
     # sign).
-    node, weight = np.polynomial.legendre.leggauss(order)
-    s, t = np.meshgrid((node + 1.0) / 2.0, (node + 1.0) / 2.0, indexing="ij")
-    share = np.outer(weight, weight) / 4.0 * s
+    node, weight = gauss_rule(order)
+    s, t = np.meshgrid(node, node, indexing="ij")
+    share = np.outer(weight, weight) * s
     apex, points, weights = outline.array[0], [], []
     for a, b in zip(outline.array[1:-1], outline.array[2:], strict=True):
         e, f = a - apex, b - apex

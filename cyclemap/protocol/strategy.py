@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,12 +129,13 @@ class ResetStrategy:
         weights = weights / weights.max()
         return np.asarray(weights / weights.sum())
 
-    @property
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """How often each action comes in a block: of ``shuffled``; else once each."""
         if self.order != SHUFFLED:
             return (1,) * len(self.actions)
-        return tuple(round(share * (self.block or self._least_block())) for share in self.shares.tolist())
+        size = self.block or self._least_block()
+        return tuple(round(share * size) for share in self.shares.tolist())
 
     @property
     def needs(self) -> tuple[str, ...]:

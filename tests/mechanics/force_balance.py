@@ -158,7 +158,8 @@ def _twist_of(footprint, law, wrench, theta, guess):
             slope = scale * surface.wrench(scale * vector, theta)
             lost = slope @ vector
             off = lost * slope - scale * wrench
-            if np.abs(off).max() < 1e-14:
+            converged = np.abs(off).max() < 1e-13
+            if converged:
                 break
             bend = np.outer(slope, slope) + lost * np.outer(scale, scale) * surface.hessian(scale * vector, theta)
             step, height = -np.linalg.lstsq(bend, off, rcond=1e-13)[0], 0.5 * lost**2 - scale * wrench @ vector
@@ -173,6 +174,8 @@ def _twist_of(footprint, law, wrench, theta, guess):
                 break
             vector = tried
         found.append(vector)
+        if converged:
+            break  # The function is convex: no other start ends elsewhere.
     # Where the centre of rotation is at a support point or a loaded corner, or all but there, D has a kink.
     if abs(max(map(power, found)) - 1.0) > 1e-11:
         pins = [sign * np.array((y / size, -x / size, 1.0)) for x, y in _points(footprint) for sign in (1.0, -1.0)]

@@ -16,6 +16,7 @@ from tests.benchmarks.timing import in_turns
 
 PROBLEMS = {problem.name: problem for problem in (four_corners(), plain_grid())}
 FEW = len(ANGLES)
+OUTLINE = four_corners().slider.outline.vertices
 
 
 @pytest.fixture(params=PROBLEMS)
@@ -97,6 +98,13 @@ def test_under_friction_without_directions_turning_the_push_turns_its_end():
 @pytest.mark.parametrize("simulator", [ENGINE, SCIPY, DYNAMIC], ids=lambda simulator: simulator.name)
 def test_simulators_end_near_converged(simulator, problem):
     assert distance(problem.ends(simulator.build(problem), FEW), problem.converged[:FEW]).near
+
+
+def test_the_engine_is_timed_where_no_corner_ends_more_than_10_micrometres_off(problem):
+    ends = problem.ends(ENGINE.build(problem))
+    corners = [(pose, exact, corner) for pose, exact in zip(ends, problem.converged, strict=True) for corner in OUTLINE]
+    gaps = [math.dist(pose.to_world(*corner), exact.to_world(*corner)) for pose, exact, corner in corners]
+    assert len(gaps) == 48 and 0.0 < max(gaps) < 1e-5
 
 
 def test_the_engines_end_near_converged_and_repeat_themselves(engine):

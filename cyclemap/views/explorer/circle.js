@@ -1,4 +1,4 @@
-// A map of the circle from cycles of the engine: cubics between samples, fixed points, distribution, staircase.
+// A map of the circle from cycles of the engine: cubics between samples, fixed points, density, staircase.
 
 const TURN = 2 * Math.PI;
 const CELLS = 360;
@@ -26,17 +26,20 @@ class CircleMap {
 
 function cubic(a, b, theta) {
   const h = b.theta - a.theta, t = (theta - a.theta) / h, u = 1 - t;
-  return a.next * (1 + 2 * t) * u * u + b.next * (1 + 2 * u) * t * t + h * t * u * (a.slope * u - b.slope * t);
+  const values = a.next * (1 + 2 * t) * u * u + b.next * (1 + 2 * u) * t * t;
+  return values + h * t * u * (a.slope * u - b.slope * t);
 }
 
 function samplesAt(engine, theta) {
   const { next, slope, status } = engine.cycles(theta);
-  return { status, samples: theta.map((angle, index) => ({ theta: angle, next: next[index], slope: slope[index] })) };
+  const samples = theta.map((angle, index) => ({ theta: angle, next: next[index], slope: slope[index] }));
+  return { status, samples };
 }
 
-// As many samples as it takes for cubics to be within `tolerance` midway of all, in value and, over the interval, in
-// slope, which tells of a kink where the value does not; or intervals to be too short to tell: jumps. The map is whole
-// where they sufficed. `alive` is awaited now and then, and ends it where it returns false; null then.
+// As many samples as it takes for cubics to be within `tolerance` midway of all, in value and, over the
+// interval, in slope, which tells of a kink where the value does not; or intervals to be too short to tell:
+// jumps. The map is whole where they sufficed. `alive` is awaited now and then, and ends it where it returns
+// false; null then.
 async function sampledMap(engine, count, tolerance, alive) {
   let { status, samples } = samplesAt(engine, range(count).map((index) => (TURN * index) / count));
   if (status < 1) return { status };
@@ -54,22 +57,23 @@ async function sampledMap(engine, count, tolerance, alive) {
       samples.push(middle);
       const width = b.theta - a.theta;
       const slope = (1.5 * (b.next - a.next)) / width - (a.slope + b.slope) / 4;
-      const off = Math.max(Math.abs(cubic(a, b, middle.theta) - middle.next), (Math.abs(slope - middle.slope) * width) / 4);
-      if (off <= tolerance) return;
+      const off = Math.abs(cubic(a, b, middle.theta) - middle.next);
+      if (Math.max(off, (Math.abs(slope - middle.slope) * width) / 4) <= tolerance) return;
       // A kink leaves an error as small as what is left of the interval: no more is to be had there.
       if (width > LEAST_WIDTH) open.push([a, middle], [middle, b]);
       else if (Math.abs(b.next - a.next) > 1e-3) map.jumps.push(middle.theta);
     });
     if (samples.length > MOST_SAMPLES) break;
   }
-  return { status, map: Object.assign(new CircleMap(samples), { jumps: map.jumps, isWhole: open.length === 0 }) };
+  const sampled = new CircleMap(samples);
+  return { status, map: Object.assign(sampled, { jumps: map.jumps, isWhole: open.length === 0 }) };
 }
 const LEAST_WIDTH = 1e-6, MOST_SAMPLES = 3000;
 
-// Where the map gives an orientation back: {theta, multiplier, stable}; `polish`: by cycles of the engine itself.
+// Where the map gives an orientation back: {theta, multiplier, stable}; by the engine's cycles where one is given.
 function fixedPoints(map, engine) {
   const heights = map.nodes.map(({ theta, next }) => next - theta);
-  const found = [];
+  const points = [];
   const [low, high] = [Math.min(...heights) - 0.1, Math.max(...heights) + 0.1];
   for (let turns = Math.ceil(low / TURN); turns <= high / TURN; turns += 1) {
     for (let index = 0; index + 1 < map.nodes.length; index += 1) {
@@ -78,21 +82,24 @@ function fixedPoints(map, engine) {
       const above = places.map((theta) => cubic(a, b, theta) - theta - TURN * turns);
       for (let step = 0; step < 8; step += 1) {
         if (above[step] > 0 === above[step + 1] > 0) continue;
-        const point = crossing((theta) => sampled(a, b, engine, theta, turns), places[step], places[step + 1], above[step]);
-        if (point) found.push(point);
+        const height = (theta) => heightAt(a, b, engine, theta, turns);
+        const point = crossing(height, places[step], places[step + 1], above[step]);
+        if (point) points.push(point);
       }
     }
   }
-  return found.sort((a, b) => a.theta - b.theta);
+  return points.sort((a, b) => a.theta - b.theta);
 }
 
-function sampled(a, b, engine, theta, turns) {
+// How far the map lifts an orientation beyond so many turns, and the map's slope.
+function heightAt(a, b, engine, theta, turns) {
   if (engine) {
     const { next, slope } = engine.cycles([theta]);
     return [next[0] - theta - TURN * turns, slope[0]];
   }
   const h = 1e-5 * (b.theta - a.theta);
-  return [cubic(a, b, theta) - theta - TURN * turns, (cubic(a, b, theta + h) - cubic(a, b, theta - h)) / (2 * h)];
+  const slope = (cubic(a, b, theta + h) - cubic(a, b, theta - h)) / (2 * h);
+  return [cubic(a, b, theta) - theta - TURN * turns, slope];
 }
 
 // Newton's method, kept between ends of which the first has the sign of `first`; null at a jump.
@@ -110,11 +117,13 @@ function crossing(of, low, high, first) {
   return { theta: ((theta % TURN) + TURN) % TURN, multiplier: slope, stable: Math.abs(slope) < 1 };
 }
 
-// The stationary density at every degree, 1: uniform. Nystroem's method on places so near that a normal kernel's sum is
-// exact to 1e-4 of its peak, unless degrees are to do; the balance by GMRES among densities without mass. Null where
-// noise does not settle it.
+// The stationary density at every degree, 1: uniform. Nystroem's method on places so near that a normal
+// kernel's sum is exact to 1e-4 of its peak, unless degrees are to do; the balance by GMRES among densities
+// without mass. Null where noise does not settle it.
 function stationaryDensity(map, sigma, most = 8) {
-  const steepest = Math.max(1, ...map.nodes.map(({ slope }) => Math.abs(slope)).sort((a, b) => a - b).slice(0, -map.nodes.length * 0.02 || undefined));
+  const slopes = map.nodes.map(({ slope }) => Math.abs(slope)).sort((a, b) => a - b);
+  // All but the steepest fiftieth of the samples.
+  const steepest = Math.max(1, ...slopes.slice(0, Math.ceil(0.98 * slopes.length)));
   const finer = Math.min(most, Math.max(1, Math.ceil((0.75 * steepest * TURN) / CELLS / sigma)));
   const count = CELLS * finer, h = TURN / count;
   const half = Math.min(Math.ceil((6.5 * sigma) / h), count / 2 - 1), width = 2 * half + 1;
@@ -140,13 +149,21 @@ function stationaryDensity(map, sigma, most = 8) {
     return to;
   };
   const even = new Float64Array(count).fill(1);
-  const change = gmres((z) => { const moved = carried(z); return z.map((value, i) => value - moved[i]); }, carried(even).map((value) => value - 1));
+  const unbalanced = (density) => {
+    const moved = carried(density);
+    return density.map((value, i) => value - moved[i]);
+  };
+  const change = gmres(unbalanced, carried(even).map((value) => value - 1));
   return change && range(CELLS).map((cell) => Math.max(0, 1 + change[cell * finer]));
 }
 
 // Solve A x = b for b and x without mean; null where 240 directions do not suffice.
 function gmres(apply, b) {
-  const dot = (x, y) => { let sum = 0; for (let i = 0; i < x.length; i += 1) sum += x[i] * y[i]; return sum; };
+  const dot = (x, y) => {
+    let sum = 0;
+    for (let i = 0; i < x.length; i += 1) sum += x[i] * y[i];
+    return sum;
+  };
   const norm = Math.sqrt(dot(b, b));
   if (norm < 1e-13 * b.length) return b.map(() => 0);
   const basis = [b.map((value) => value / norm)], columns = [], turns = [], rest = [norm];

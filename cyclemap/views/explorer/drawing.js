@@ -7,6 +7,10 @@ const wrap = (angle) => ((angle % 360) + 360) % 360;
 const extremes = (values) => [Math.min(...values), Math.max(...values)];
 const minus = (number, digits = 0) => number.toFixed(digits).replace("-", "−");
 
+const TURN_TITLE = "Turn of one cycle; filled points attract, hollow ones repel";
+const DENSITY_TITLE = "Where recorded orientations gather (1: uniform)";
+const STAIRCASE_TITLE = "Staircase: θ0 over the pushes, with noise";
+
 function figure(root, title, wide = false) {
   const box = root.appendChild(document.createElement("figure"));
   if (wide) box.className = "wide";
@@ -28,13 +32,20 @@ function dot(u, x, y, size, fill, edge) {
 // Curves now and before over an axis, and whatever `over` draws on top, inside the axes.
 function chart(place, { xLabel, yLabel, yRange, xSplits, over, also = () => [], square = false, name }) {
   const axis = (label, splits) => ({
-    label, labelSize: 22, size: 46, font: "12px system-ui", labelFont: "13px system-ui", stroke: () => colour("ink"),
+    label, labelSize: 22, size: 46, stroke: () => colour("ink"),
+    font: "12px system-ui", labelFont: "13px system-ui",
     grid: { stroke: () => colour("line"), width: 1 }, ticks: { stroke: () => colour("line") },
     values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : minus(tick, Number.isInteger(tick) ? 0 : 2))),
     ...(splits ? { splits: () => splits } : {}),
   });
-  const size = () => ({ width: Math.max(place.clientWidth, 200), height: square ? Math.max(place.clientWidth, 200) : 250 });
-  const around = (_, low, high) => uPlot.rangeNum(Math.min(low ?? 0, ...also()), Math.max(high ?? 1, ...also()), 0.08, true);
+  const size = () => {
+    const width = Math.max(place.clientWidth, 200);
+    return { width, height: square ? width : 250 };
+  };
+  const around = (_, low, high) => {
+    const [least, most] = [Math.min(low ?? 0, ...also()), Math.max(high ?? 1, ...also())];
+    return uPlot.rangeNum(least, most, 0.08, true);
+  };
   const u = new uPlot({
     ...size(), legend: { show: false }, cursor: { drag: { x: false, y: false } },
     scales: { x: { time: false, ...(xSplits ? { range: [0, 360] } : {}) }, y: { range: yRange ?? around } },
@@ -59,7 +70,7 @@ function chart(place, { xLabel, yLabel, yRange, xSplits, over, also = () => [], 
 function line(u, points, style, width, dash = []) {
   const { ctx } = u;
   ctx.beginPath();
-  points.forEach(([x, y], i) => ctx[i ? "lineTo" : "moveTo"](u.valToPos(x, "x", true), u.valToPos(y, "y", true)));
+  for (const [x, y] of points) ctx.lineTo(u.valToPos(x, "x", true), u.valToPos(y, "y", true));
   ctx.strokeStyle = style;
   ctx.lineWidth = width * devicePixelRatio;
   ctx.setLineDash(dash.map((d) => d * devicePixelRatio));
@@ -84,16 +95,22 @@ class Panels {
       u.caption = caption;
       return u;
     };
-    this.cobweb = make("Cobweb: next orientation over orientation", { name: "map", square: true, xSplits: degrees,
-      yRange: [0, 360], xLabel: "orientation θ0 (°)", yLabel: "next θ0 (°)", over: (u) => this.overCobweb(u) });
-    this.turn = make("Turn of one cycle; filled points attract, hollow ones repel", { name: "turn", xSplits: degrees,
-      xLabel: "orientation θ0 (°)", yLabel: "turn (°)", over: (u) => this.overTurn(u),
-      also: () => (this.measured ? extremes(this.measured.turn) : []) });
-    this.density = make("Where recorded orientations gather (1: uniform)", { name: "density", xSplits: degrees,
-      xLabel: "orientation θ0 (°)", yLabel: "density", over: () => {} });
-    this.staircase = make("Staircase: θ0 over the pushes, with noise", { name: "θ0", xLabel: "push",
-      yLabel: "θ0 (turns)", over: (u) => this.overStaircase(u),
-      also: () => (this.measured && this.measured.staircase ? extremes(this.measured.staircase) : []) }, true);
+    const around = { xSplits: degrees, xLabel: "orientation θ0 (°)" };
+    this.cobweb = make("Cobweb: next orientation over orientation", {
+      ...around, name: "map", square: true, yRange: [0, 360], yLabel: "next θ0 (°)",
+      over: (u) => this.overCobweb(u),
+    });
+    this.turn = make(TURN_TITLE, {
+      ...around, name: "turn", yLabel: "turn (°)",
+      over: (u) => this.overTurn(u),
+      also: () => (this.measured ? extremes(this.measured.turn) : []),
+    });
+    this.density = make(DENSITY_TITLE, { ...around, name: "density", yLabel: "density", over: () => {} });
+    this.staircase = make(STAIRCASE_TITLE, {
+      name: "θ0", xLabel: "push", yLabel: "θ0 (turns)",
+      over: (u) => this.overStaircase(u),
+      also: () => (this.measured?.staircase ? extremes(this.measured.staircase) : []),
+    }, true);
   }
 
   show(answer, before = null, measured = null, word = "before") {
@@ -103,15 +120,17 @@ class Panels {
     const circle = range(361);
     this.cobweb.setData([circle, circle.map(() => null), circle.map(() => null)]);
     this.turn.setData([circle, before ? before.turn : circle.map(() => null), answer.turn]);
-    const closed = (one) => (one && one.density ? [...one.density, one.density[0]] : circle.map(() => null));
+    const closed = (drawn) => (drawn?.density ? [...drawn.density, drawn.density[0]] : circle.map(() => null));
     this.density.setData([circle, closed(before), closed(answer)]);
-    this.density.caption.textContent = answer.density ? `Where recorded orientations gather (1: uniform)${kept}`
+    this.density.caption.textContent = answer.density ? `${DENSITY_TITLE}${kept}`
       : "Noise this small does not settle which stable direction is visited how often";
     const { every, turns } = answer.staircase;
     const same = before && before.staircase.every === every;
-    this.staircase.setData([turns.map((_, i) => i * every), turns.map((_, i) => (same ? before.staircase.turns[i] ?? null : null)), turns]);
-    this.turn.caption.textContent = `Turn of one cycle; filled points attract, hollow ones repel${answer.may_lie.length ? "; shaded: where the stable one may lie, for what is known of this floor" : ""}${kept}${laid}`;
-    this.staircase.caption.textContent = `Staircase: θ0 over the pushes, with noise${kept}${measured && measured.staircase ? laid : ""}`;
+    const earlier = turns.map((_, i) => (same ? before.staircase.turns[i] ?? null : null));
+    this.staircase.setData([turns.map((_, i) => i * every), earlier, turns]);
+    const may = "; shaded: where the stable one may lie, for what is known of this floor";
+    this.turn.caption.textContent = `${TURN_TITLE}${answer.may_lie.length ? may : ""}${kept}${laid}`;
+    this.staircase.caption.textContent = `${STAIRCASE_TITLE}${kept}${measured?.staircase ? laid : ""}`;
     this.fit();
     this.at(Math.min(this.moment.cycle, answer.courses.length - 1), this.moment.part);
   }
@@ -132,11 +151,12 @@ class Panels {
     line(u, [[0, 0], [360, 360]], colour("quiet"), 1);
     if (!this.answer) return;
     // The map, as often as turns of it pass through the square.
-    for (const [one, style, width, dash] of [[this.before, "before", 1.5, [5, 4]], [this.answer, "now", 2, []]]) {
-      if (!one) continue;
-      const lift = one.turn.map((turn, i) => [i, i + turn]);
-      const heights = lift.map(([, y]) => y);
-      for (let shift = Math.floor(Math.min(...heights) / 360); shift <= Math.max(...heights) / 360; shift += 1) {
+    const drawn = [[this.before, "before", 1.5, [5, 4]], [this.answer, "now", 2, []]];
+    for (const [answer, style, width, dash] of drawn) {
+      if (!answer) continue;
+      const lift = answer.turn.map((turn, i) => [i, i + turn]);
+      const [lowest, highest] = extremes(lift.map(([, y]) => y / 360));
+      for (let shift = Math.floor(lowest); shift <= highest; shift += 1) {
         line(u, lift.map(([x, y]) => [x, y - 360 * shift]), colour(style), width, dash);
       }
     }
@@ -150,7 +170,8 @@ class Panels {
       const across = from + (to - from) * Math.max(0, 5 * done - 4);
       for (const shift of [-360, 0, 360]) {
         line(u, [[from, from + shift], [from, reached + shift]], colour("measured"), 1.6);
-        if (done > 0.8) line(u, [[from + shift, to + shift], [across + shift, to + shift]], colour("measured"), 1.6);
+        if (done <= 0.8) continue;
+        line(u, [[from + shift, to + shift], [across + shift, to + shift]], colour("measured"), 1.6);
       }
       if (n === this.moment.cycle) dot(u, wrap(from), wrap(reached), 4, colour("measured"));
     }
@@ -163,7 +184,8 @@ class Panels {
     ctx.fillStyle = colour("now");
     for (const [low, high] of this.answer ? this.answer.may_lie : []) {
       for (const back of high > 360 ? [0, 360] : [0]) {
-        const [from, to] = [low - back, high - back].map((x) => u.valToPos(Math.min(Math.max(x, 0), 360), "x", true));
+        const inside = [low - back, high - back].map((x) => Math.min(Math.max(x, 0), 360));
+        const [from, to] = inside.map((x) => u.valToPos(x, "x", true));
         ctx.fillRect(from, bbox.top, to - from, bbox.height);
       }
     }
@@ -179,7 +201,7 @@ class Panels {
   }
 
   overStaircase(u) {
-    const path = this.measured && this.measured.staircase;
+    const path = this.measured?.staircase;
     if (!path) return;
     const every = Math.max(1, Math.floor(path.length / 1500));
     for (let i = 0; i < path.length; i += every) dot(u, i, path[i], 1.2, colour("measured"));
@@ -221,7 +243,9 @@ class Panels {
     const { x, y, size } = this.view;
     const a = (pose[2] * Math.PI) / 180;
     const k = this.canvas.clientWidth / size;
-    return [(pose[0] + Math.cos(a) * bx - Math.sin(a) * by - x) * k, (y + size - pose[1] - Math.sin(a) * bx - Math.cos(a) * by) * k];
+    const across = pose[0] + Math.cos(a) * bx - Math.sin(a) * by;
+    const up = pose[1] + Math.sin(a) * bx + Math.cos(a) * by;
+    return [(across - x) * k, (y + size - up) * k];
   }
 
   drawObject() {
@@ -296,7 +320,9 @@ class Panels {
     }
     const [from, to] = [push[0], push[push.length - 1]].map((frame) => frame.slice(3));
     const towards = (Math.atan2(to[1] - from[1], to[0] - from[0]) * 180) / Math.PI;
-    this.objectCaption.textContent = `Cycle ${cycle + 1}, ${part < 0.5 ? "push" : "drag back"}: orientation ` +
-      `${minus(wrap(push[0][2]), 1)}°, pushed towards ${minus(towards, 1)}°. The rod’s way is solid while it pushes, dashed while it drags. Drag ring, rod or arrow to move them.`;
+    const doing = part < 0.5 ? "push" : "drag back";
+    const start = `orientation ${minus(wrap(push[0][2]), 1)}°, pushed towards ${minus(towards, 1)}°`;
+    this.objectCaption.textContent = `Cycle ${cycle + 1}, ${doing}: ${start}. ` +
+      "The rod’s way is solid while it pushes, dashed while it drags. Drag ring, rod or arrow to move them.";
   }
 }

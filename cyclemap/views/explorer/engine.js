@@ -24,13 +24,15 @@ class Engine {
     this.end = library.__heap_base.value;
     const { columns, layout, parts, pressed } = tables;
     const rooms = { pieces: numbersOf(tables.pieces), goals: numbersOf(tables.goals) };
-    for (const [kind, given] of [["parts", parts], ["pressed", pressed]]) {
-      for (const [name, text] of Object.entries(given ? given.tables : {})) rooms[`${kind}.${name}`] = numbersOf(text);
+    for (const [kind, given] of Object.entries({ parts, pressed })) {
+      if (!given) continue;
+      for (const [name, text] of Object.entries(given.tables)) rooms[`${kind}.${name}`] = numbersOf(text);
     }
     if (pressed) rooms.balance = new Float64Array(pressed.balance_size);
     this.at = { loop: this.reserve(layout.size), signal: this.reserve(16) };
     for (const [name, table] of Object.entries(rooms)) this.at[name] = this.reserve(table.byteLength);
-    const sizes = { tasks: columns.task.size, varied: 3, results: columns.result.size, slopes: columns.result.size };
+    const { task, result } = columns;
+    const sizes = { tasks: task.size, varied: 3, results: result.size, slopes: result.size };
     for (const [name, size] of Object.entries(sizes)) this.at[name] = this.reserve(8 * size * MOST_TASKS);
     this.at.rows = this.reserve(8 * columns.record.size * MOST_ROWS);
     this.view = new DataView(library.memory.buffer);
@@ -64,12 +66,14 @@ class Engine {
     const mm = 1e-3 / tables.unit;
     const { mu_a: along, mu_b: across, m0, n0 } = values;
     if (Math.hypot(m0 / along, n0 / across) >= 1) {
-      return "The offset is larger than the friction: the floor would drive the object. Choose m0 and n0 smaller.";
+      return "The offset is larger than the friction: the floor would drive the object. " +
+        "Choose m0 and n0 smaller.";
     }
     const scale = Math.sqrt(along) * Math.sqrt(across);
     const refused = this.press(values);
     if (refused) return refused;
-    this.put("object.friction", [along / scale, across / scale, m0 / scale, n0 / scale, values.phi_deg * RADIAN, ...tables.centre]);
+    const ellipse = [along, across, m0, n0].map((friction) => friction / scale);
+    this.put("object.friction", [...ellipse, values.phi_deg * RADIAN, ...tables.centre]);
     this.radius = values.pusher_radius_mm * mm;
     this.put("object.radius", this.radius);
     this.put("object.tolerance", tables.step_share * accuracy);
@@ -96,23 +100,36 @@ class Engine {
   press(values) {
     const { parts, pressed } = this.tables;
     const of = (key) => values[key] ?? 0;
-    const shapes = ["floor", "plate"].map((owner) => {
-      const [dome, bow, axis] = owner === "floor" ? ["floor_dome", "floor_bow", "floor_bow_deg"] : ["plate_dome", "plate_warp", "plate_warp_deg"];
-      return [of(dome), of(bow) * Math.cos(2 * RADIAN * of(axis)), of(bow) * Math.sin(2 * RADIAN * of(axis))];
+    const shapes = [["floor_dome", "floor_bow"], ["plate_dome", "plate_warp"]].map(([dome, bow]) => {
+      const turned = 2 * RADIAN * of(`${bow}_deg`);
+      return [of(dome), of(bow) * Math.cos(turned), of(bow) * Math.sin(turned)];
     });
     const isFlat = !pressed || (shapes.flat().every((number) => number === 0) && !pressed.has_field);
     const shares = parts.shares.map((name) => (name ? of(name) : 0));
     const shared = shares.reduce((sum, share) => sum + share, 0);
-    if (!isFlat && shared > 0) return "Loads inside, on rim or corners, and shapes of floor or plate both tell how it rests: set one of them to 0.";
-    if (isFlat && shared > 1 - parts.least_even + 1e-12) {
-      return `Loads inside, on rim and corners come to ${shared.toFixed(2)}: together they may be ${(1 - parts.least_even).toFixed(2)} at most.`;
+    if (!isFlat && shared > 0) {
+      return "Loads inside, on rim or corners, and shapes of floor or plate both tell how it rests: " +
+        "set one of them to 0.";
+    }
+    const most = 1 - parts.least_even;
+    if (isFlat && shared > most + 1e-12) {
+      return `Loads inside, on rim and corners come to ${shared.toFixed(2)}: ` +
+        `together they may be ${most.toFixed(2)} at most.`;
     }
     const [kind, given] = isFlat ? ["parts", parts] : ["pressed", pressed];
-    for (const [name, text] of Object.entries(given.record)) this.put(`object.pressure.${name}`, [...numbersOf(text)]);
-    for (const name of ["rows", "nodes", "outline"]) this.put(`object.pressure.${name}`, this.at[`${kind}.${name}`]);
+    for (const [name, text] of Object.entries(given.record)) {
+      this.put(`object.pressure.${name}`, [...numbersOf(text)]);
+    }
+    for (const name of ["rows", "nodes", "outline"]) {
+      this.put(`object.pressure.${name}`, this.at[`${kind}.${name}`]);
+    }
     if (isFlat) {
       const load = numbersOf(parts.record.load);
-      if (parts.can_share) this.put("object.pressure.load", [...load].map((own, part) => (part === 0 ? 1 - shared : parts.shares[part] ? shares[part] : own)));
+      shares.forEach((share, part) => {
+        if (parts.shares[part]) load[part] = share;
+      });
+      load[0] = 1 - shared;
+      if (parts.can_share) this.put("object.pressure.load", [...load]);
       return "";
     }
     this.put("object.pressure.table", this.at.balance);
@@ -121,8 +138,11 @@ class Engine {
     this.put("object.pressure.plate", plate);
     if (this.balanced === JSON.stringify(shapes)) return "";
     this.balanced = "";
-    const rows = this.library.cm_balance(this.at.loop + this.tables.layout.fields["object.pressure.load"][0], this.at.balance);
-    if (Number(rows) < pressed.table_count) return "On shapes like these the weight finds no balance: choose smaller ones.";
+    const [load] = this.tables.layout.fields["object.pressure.load"];
+    const rows = this.library.cm_balance(this.at.loop + load, this.at.balance);
+    if (Number(rows) < pressed.table_count) {
+      return "On shapes like these the weight finds no balance: choose smaller ones.";
+    }
     this.balanced = JSON.stringify(shapes);
     return "";
   }
@@ -132,11 +152,14 @@ class Engine {
     const { semi_axes: axes, sides, lengths } = this.tables;
     if (axes) {
       const coordinate = 2 * Math.PI * fraction;
-      return { piece: 0, coordinate, normal: Math.atan2(axes[0] * Math.sin(coordinate), axes[1] * Math.cos(coordinate)) };
+      const normal = Math.atan2(axes[0] * Math.sin(coordinate), axes[1] * Math.cos(coordinate));
+      return { piece: 0, coordinate, normal };
     }
     const coordinate = fraction * lengths[side];
-    const piece = sides.find((one) => one.side === side && one.low <= coordinate && coordinate <= one.high);
-    return piece && { piece: piece.piece, coordinate, normal: piece.normal };
+    const touched = sides.find((reach) => {
+      return reach.side === side && reach.low <= coordinate && coordinate <= reach.high;
+    });
+    return touched && { piece: touched.piece, coordinate, normal: touched.normal };
   }
 
   start(theta) {
@@ -144,11 +167,12 @@ class Engine {
     return [c * this.hitch[0] - s * this.hitch[1], s * this.hitch[0] + c * this.hitch[1]];
   }
 
-  // The next orientation (lift), its slope, and the travel of the push, of each; a status below 1 tells why not.
+  // The next orientation of each (lift, rad) and its slope; a status below 1 tells why not.
   cycles(theta) {
     const { task, result } = this.tables.columns;
     const { numbers, at, view } = this;
-    const done = { next: new Float64Array(theta.length), slope: new Float64Array(theta.length), travel: new Float64Array(theta.length), status: 1 };
+    const done = { next: new Float64Array(theta.length), slope: new Float64Array(theta.length), status: 1 };
+    const outputs = result.size - result.pushed, ended = result.ended + 2;
     for (let from = 0; from < theta.length; from += MOST_TASKS) {
       const some = theta.slice(from, from + MOST_TASKS);
       some.forEach((angle, index) => {
@@ -158,20 +182,20 @@ class Engine {
       });
       view.setBigInt64(at.signal, 0n, true);
       view.setBigInt64(at.signal + 8, 0n, true);
-      this.library.cm_run(at.loop, at.tasks, at.varied, BigInt(some.length), 1n, at.results, at.slopes, at.signal, at.signal + 8);
-      const outputs = result.size - result.pushed;
+      const count = BigInt(some.length), next = at.signal, stop = at.signal + 8;
+      this.library.cm_run(at.loop, at.tasks, at.varied, count, 1n, at.results, at.slopes, next, stop);
       some.forEach((_, index) => {
         const row = at.results / 8 + result.size * index;
         done.status = Math.min(done.status, numbers[row + result.status]);
-        done.next[from + index] = numbers[row + result.ended + 2];
-        done.travel[from + index] = numbers[row + result.travel];
-        done.slope[from + index] = numbers[at.slopes / 8 + outputs * index + result.ended - result.pushed + 2];
+        done.next[from + index] = numbers[row + ended];
+        done.slope[from + index] = numbers[at.slopes / 8 + outputs * index + ended - result.pushed];
       });
     }
     return done;
   }
 
-  // Frames (x, y in mm, theta in degrees, rod x, rod y in mm) of the push and of the drag, spread over the rod's way.
+  // Frames of the push and of the drag, spread over the rod's way: x, y in mm, theta in degrees, rod x, rod y
+  // in mm.
   course(theta, frames) {
     const { record } = this.tables.columns;
     const { numbers, at } = this;
@@ -191,9 +215,9 @@ class Engine {
       if (of("stroke") !== stroke) [way, before, stroke] = [stroke === 0 ? 0 : way, 0, of("stroke")];
       way += of("travel") - before;
       before = of("travel");
-      const pose = [rod[0] - c * own[0] + s * own[1], rod[1] - s * own[0] - c * own[1]];
-      const mm = 1e3 * this.tables.unit;
-      strokes[stroke === 0 ? 0 : 1].push([way, pose[0] * mm, pose[1] * mm, of("theta") / RADIAN, rod[0] * mm, rod[1] * mm]);
+      const place = [rod[0] - c * own[0] + s * own[1], rod[1] - s * own[0] - c * own[1]];
+      const [px, py, rx, ry] = [...place, ...rod].map((length) => 1e3 * this.tables.unit * length);
+      strokes[stroke === 0 ? 0 : 1].push([way, px, py, of("theta") / RADIAN, rx, ry]);
     }
     return strokes.map((rows) => spread(rows, frames));
   }

@@ -8,7 +8,10 @@ const panels = new Panels(find("panels"));
 const controls = new Map();
 const state = { moved: {}, id: 0, before: null, latest: given.answer, asked: 0 };
 const worker = new Worker(URL.createObjectURL(new Blob([text("worker")], { type: "text/javascript" })));
-let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, begun = performance.now(), grabbed = null, ready = false;
+let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+let begun = performance.now();
+let grabbed = null;
+let ready = false;
 
 function values() {
   const { start_deg: _, ...moved } = state.moved;
@@ -20,8 +23,12 @@ function update() {
   state.id += 1;
   state.asked = performance.now();
   remember();
-  if (Object.keys(state.moved).length === 0) show({ ...given.answer, id: state.id });
-  else if (ready) worker.postMessage({ id: state.id, values: values(), start: (startOf() * Math.PI) / 180, cycles: given.cycles });
+  if (Object.keys(state.moved).length === 0) {
+    show({ ...given.answer, id: state.id });
+  } else if (ready) {
+    const start = (startOf() * Math.PI) / 180;
+    worker.postMessage({ id: state.id, values: values(), start, cycles: given.cycles });
+  }
 }
 const startOf = () => state.moved.start_deg ?? given.start_deg;
 
@@ -37,13 +44,16 @@ worker.onmessage = ({ data }) => {
     if (data.id === state.id || !data.refused) show(data);
   }
 };
-worker.onerror = (fault) => { find("status").textContent = `The engine does not run in this browser: ${fault.message}`; };
+worker.onerror = (fault) => {
+  find("status").textContent = `The engine does not run in this browser: ${fault.message}`;
+};
 
 function tell(name, moved) {
   const button = find(name);
   button.disabled = !moved;
   button.addEventListener("click", () => {
-    state.moved = Object.fromEntries(Object.entries(moved).filter(([key, value]) => controls.has(key) && Math.abs(value - controls.get(key).value) > 1e-9));
+    const differs = ([key, value]) => controls.has(key) && Math.abs(value - controls.get(key).value) > 1e-9;
+    state.moved = Object.fromEntries(Object.entries(moved).filter(differs));
     for (const key of controls.keys()) place(key);
     begun = performance.now();
     update();
@@ -89,35 +99,66 @@ function ringOutside({ outline, ring: [x, y] }) {
   return crossed.length % 2 ? [] : ["The ring lies outside the object: it needs an arm there."];
 }
 
-function said({ fixed_points: points, density, staircase, courses, turn, fine, jumps, samples, is_whole: whole }) {
-  const [push] = courses[0];
-  const facing = push[0][2];
-  const [from, to] = [push[0], push[push.length - 1]].map((frame) => frame.slice(3));
-  const towards = (theta) => signed(Math.atan2(to[1] - from[1], to[0] - from[0]) / (Math.PI / 180) + theta - facing);
-  const stable = points.filter((point) => point.stable);
-  const places = stable.map(({ theta_deg: theta }) => `orientation ${minus(theta, 1)}°, pushed towards ${minus(towards(theta), 1)}°`);
+// The verdict in sentences: where it locks in, how soon or how it turns, the data, the noise, what is open.
+function said(answer) {
+  const { staircase, density, jumps } = answer;
+  const stable = answer.fixed_points.filter((point) => point.stable);
   const turned = Math.abs(staircase.turns[staircase.turns.length - 1] - staircase.turns[0]);
-  const loose = stable.length > 0 && turned > 1.5;
-  const sentences = [stable.length ? `${given.name} ${loose ? "rests at" : "locks into"} ${places.join(" and ")}` : `${given.name} locks into no direction`];
-  if (stable.length) {
-    const kept = Math.abs(stable[0].multiplier);
-    sentences.push(`A cycle keeps ${kept.toFixed(3)} of a deviation from ${minus(stable[0].theta_deg, 1)}°${kept > 0.5 && kept < 1 ? `: half is gone after ${Math.ceil(Math.log(0.5) / Math.log(kept))}` : ""}.`);
-  } else {
-    const [low, high] = extremes(turn);
-    sentences.push(`A cycle turns it by ${minus(low, 1)}° to ${minus(high, 1)}°${low * high > 0 && Math.min(Math.abs(low), Math.abs(high)) < 3 ? ": it is held up where it turns least" : ""}.`);
+  const sentences = [locked(stable, turned, answer.courses[0][0])];
+  sentences.push(stable.length ? kept(stable[0]) : turning(answer.turn));
+  if (density) sentences.push(biased(density));
+  const around = turned < 1.5 ? "it never gets around" : `it gets around ${Math.round(turned)} times`;
+  sentences.push(`In ${given.cycles} pushes with this noise ${around}.`);
+  if (jumps.length) {
+    const places = jumps.map((theta) => `${theta.toFixed(1)}°`).join(", ");
+    sentences.push(`The map jumps near ${places}: nothing there is smoothed.`);
   }
-  if (density) {
-    const peak = Math.max(...density);
-    sentences.push(peak < 1.25 ? `All directions are recorded almost alike, none more than ${peak.toFixed(2)} times as often as on average: no bias to speak of.`
-      : `${density.indexOf(peak)}° is recorded ${peak.toFixed(peak < 10 ? 1 : 0)} times as often as on average: the data are biased.`);
-  }
-  sentences.push(turned < 1.5 ? `In ${given.cycles} pushes with this noise it never gets around.` : `In ${given.cycles} pushes with this noise it gets around ${Math.round(turned)} times.`);
-  if (jumps.length) sentences.push(`The map jumps near ${jumps.map((theta) => `${theta.toFixed(1)}°`).join(", ")}: nothing there is smoothed.`);
-  const sketched = `A sketch from ${samples} cycles while you move: where the map is steep it may be far off.`;
-  const short = `Computed here from ${samples} cycles, too few where the map is steepest: there it is not known to 1e-6 rad.`;
-  sentences.push(whole ? "Computed here: the map to 1e-6 rad, fixed points to 1e-8 rad." : fine ? short : sketched);
+  sentences.push(known(answer));
   return sentences;
 }
+
+function locked(stable, turned, push) {
+  if (stable.length === 0) return `${given.name} locks into no direction`;
+  const [, , facing, ...from] = push[0];
+  const to = push[push.length - 1].slice(3);
+  const world = Math.atan2(to[1] - from[1], to[0] - from[0]) / (Math.PI / 180);
+  const places = stable.map(({ theta_deg: theta }) => {
+    return `orientation ${minus(theta, 1)}°, pushed towards ${minus(signed(world + theta - facing), 1)}°`;
+  });
+  return `${given.name} ${turned > 1.5 ? "rests at" : "locks into"} ${places.join(" and ")}`;
+}
+
+function kept({ multiplier, theta_deg: theta }) {
+  const share = Math.abs(multiplier);
+  const half = Math.ceil(Math.log(0.5) / Math.log(share));
+  const slow = share > 0.5 && share < 1 ? `: half is gone after ${half}` : "";
+  return `A cycle keeps ${share.toFixed(3)} of a deviation from ${minus(theta, 1)}°${slow}.`;
+}
+
+function turning(turn) {
+  const [low, high] = extremes(turn);
+  const isHeldUp = low * high > 0 && Math.min(Math.abs(low), Math.abs(high)) < 3;
+  const least = isHeldUp ? ": it is held up where it turns least" : "";
+  return `A cycle turns it by ${minus(low, 1)}° to ${minus(high, 1)}°${least}.`;
+}
+
+function biased(density) {
+  const peak = Math.max(...density);
+  if (peak < 1.25) {
+    const most = `none more than ${peak.toFixed(2)} times as often as on average`;
+    return `All directions are recorded almost alike, ${most}: no bias to speak of.`;
+  }
+  const times = `${peak.toFixed(peak < 10 ? 1 : 0)} times as often as on average`;
+  return `${density.indexOf(peak)}° is recorded ${times}: the data are biased.`;
+}
+
+function known({ samples, fine, is_whole: whole }) {
+  if (whole) return "Computed here: the map to 1e-6 rad, fixed points to 1e-8 rad.";
+  const cycles = `from ${samples} cycles`;
+  if (!fine) return `A sketch ${cycles} while you move: where the map is steep it may be far off.`;
+  return `Computed here ${cycles}, too few where the map is steepest: there it is not known to 1e-6 rad.`;
+}
+
 const signed = (angle) => wrap(angle + 180) - 180;
 
 // The push as an arrow at the start of a cycle, in the world: from the rod towards where it goes.
@@ -131,7 +172,8 @@ function arrow({ courses }) {
 const plain = (number) => String(Number(number.toPrecision(10)));
 function settings() {
   const { start_deg: _, ...moved } = state.moved;
-  return { ...given.settings, ...Object.fromEntries(Object.entries(moved).map(([key, value]) => [key, plain(value)])) };
+  const rounded = Object.entries(moved).map(([key, value]) => [key, plain(value)]);
+  return { ...given.settings, ...Object.fromEntries(rounded) };
 }
 
 function command() {
@@ -166,26 +208,26 @@ function place(key) {
 
 function build(list) {
   const groups = new Map();
-  for (const one of list) {
-    if (!groups.has(one.group)) {
+  for (const control of list) {
+    if (!groups.has(control.group)) {
       const set = find("controls").appendChild(document.createElement("details"));
-      set.open = ["Ring", "Floor", "Noise"].includes(one.group);
-      set.appendChild(document.createElement("summary")).textContent = one.group;
-      groups.set(one.group, set);
+      set.open = ["Ring", "Floor", "Noise"].includes(control.group);
+      set.appendChild(document.createElement("summary")).textContent = control.group;
+      groups.set(control.group, set);
     }
-    const row = groups.get(one.group).appendChild(document.createElement("div"));
+    const row = groups.get(control.group).appendChild(document.createElement("div"));
     row.className = "slider";
     const label = row.appendChild(document.createElement("label"));
-    label.textContent = one.unit ? `${one.label} (${one.unit})` : one.label;
-    label.htmlFor = one.key;
+    label.textContent = control.unit ? `${control.label} (${control.unit})` : control.label;
+    label.htmlFor = control.key;
     const input = (type, id) => Object.assign(row.appendChild(document.createElement("input")),
-      { type, id, min: one.low, max: one.high, step: type === "range" ? one.step : "any" });
-    const number = input("number", `${one.key}-number`);
-    const slider = input("range", one.key);
+      { type, id, min: control.low, max: control.high, step: type === "range" ? control.step : "any" });
+    const number = input("number", `${control.key}-number`);
+    const slider = input("range", control.key);
     number.setAttribute("aria-label", label.textContent);
-    controls.set(one.key, { ...one, row, slider, number });
-    slider.addEventListener("input", () => move(one.key, slider.valueAsNumber));
-    number.addEventListener("change", () => move(one.key, number.valueAsNumber));
+    controls.set(control.key, { ...control, row, slider, number });
+    slider.addEventListener("input", () => move(control.key, slider.valueAsNumber));
+    number.addEventListener("change", () => move(control.key, number.valueAsNumber));
   }
 }
 
@@ -199,21 +241,27 @@ function handles() {
 
 function contactAt(point) {
   const { corners, semi_axes: axes } = state.latest.scene;
-  if (!corners) return { side: 0, fraction: (((Math.atan2(point[1] / axes[1], point[0] / axes[0]) / (2 * Math.PI)) % 1) + 1) % 1 };
+  if (!corners) {
+    const around = Math.atan2(point[1] / axes[1], point[0] / axes[0]);
+    return { side: 0, fraction: wrap((around * 180) / Math.PI) / 360 };
+  }
   const sides = corners.map((from, side) => {
     const to = corners[(side + 1) % corners.length];
     const along = [to[0] - from[0], to[1] - from[1]];
-    const share = ((point[0] - from[0]) * along[0] + (point[1] - from[1]) * along[1]) / (along[0] ** 2 + along[1] ** 2);
+    const off = [point[0] - from[0], point[1] - from[1]];
+    const share = (off[0] * along[0] + off[1] * along[1]) / (along[0] ** 2 + along[1] ** 2);
     const fraction = Math.min(Math.max(share, 0), 1);
-    return { side, fraction, gap: Math.hypot(point[0] - from[0] - fraction * along[0], point[1] - from[1] - fraction * along[1]) };
+    return { side, fraction, gap: Math.hypot(off[0] - fraction * along[0], off[1] - fraction * along[1]) };
   });
-  return sides.reduce((best, one) => (one.gap < best.gap ? one : best));
+  return sides.reduce((nearest, side) => (side.gap < nearest.gap ? side : nearest));
 }
 
 panels.canvas.addEventListener("pointerdown", (event) => {
   panels.at(0, 0);
-  const near = Object.entries(handles()).map(([name, [x, y]]) => [Math.hypot(x - event.offsetX, y - event.offsetY), name]);
-  const [gap, name] = near.reduce((best, one) => (one[0] < best[0] ? one : best));
+  const gaps = Object.entries(handles()).map(([handle, [x, y]]) => {
+    return [Math.hypot(x - event.offsetX, y - event.offsetY), handle];
+  });
+  const [gap, name] = gaps.reduce((nearest, handle) => (handle[0] < nearest[0] ? handle : nearest));
   if (gap > 30) return;
   grabbed = name;
   panels.canvas.setPointerCapture(event.pointerId);
@@ -229,13 +277,19 @@ panels.canvas.addEventListener("pointermove", (event) => {
     move("side", side);
     move("fraction", Math.round(200 * fraction) / 200);
   } else {
-    const { contact, arrow: tip } = handles();
-    const [rod, head] = [panels.toObject(...contact), panels.toObject(...tip)];
-    const turned = Math.atan2(point[1] - rod[1], point[0] - rod[0]) - Math.atan2(head[1] - rod[1], head[0] - rod[0]);
-    move("angle_deg", Math.round(2 * (values().angle_deg + signed((turned * 180) / Math.PI))) / 2);
+    const { contact, arrow: end } = handles();
+    const [rod, head] = [panels.toObject(...contact), panels.toObject(...end)];
+    const towards = (tip) => Math.atan2(tip[1] - rod[1], tip[0] - rod[0]) / (Math.PI / 180);
+    const turned = signed(towards(point) - towards(head));
+    move("angle_deg", Math.round(2 * (values().angle_deg + turned)) / 2);
   }
 });
-for (const end of ["pointerup", "pointercancel"]) panels.canvas.addEventListener(end, () => { grabbed = null; begun = performance.now(); });
+for (const end of ["pointerup", "pointercancel"]) {
+  panels.canvas.addEventListener(end, () => {
+    grabbed = null;
+    begun = performance.now();
+  });
+}
 
 function animate(now) {
   if (playing && !grabbed) {
@@ -264,12 +318,23 @@ const actions = {
     for (const key of controls.keys()) place(key);
     update();
   },
-  copy: () => navigator.clipboard.writeText(text("command"))
-    .then(() => { find("status").textContent = "copied"; }, () => { find("status").textContent = "copy it from the line beside"; }),
+  async copy() {
+    try {
+      await navigator.clipboard.writeText(text("command"));
+      find("status").textContent = "copied";
+    } catch {
+      find("status").textContent = "copy it from the line beside";
+    }
+  },
   save() {
-    const lines = Object.entries(settings()).map(([key, value]) => `${key} = ${/^(-?[\d.]+(e[+-]?\d+)?|\[.*\])$/.test(value) ? value : JSON.stringify(value)}`);
+    const isPlain = (value) => /^(-?[\d.]+(e[+-]?\d+)?|\[.*\])$/.test(value);
+    const lines = Object.entries(settings()).map(([key, value]) => {
+      return `${key} = ${isPlain(value) ? value : JSON.stringify(value)}\n`;
+    });
+    const use = `# cyclemap portrait ${given.words.join(" ")} --protocol FILE\n`;
     const link = document.createElement("a");
-    link.href = `data:application/toml;charset=utf-8,${encodeURIComponent(`# cyclemap portrait ${given.words.join(" ")} --protocol FILE\n\n[explored]\n${lines.join("\n")}\n`)}`;
+    const file = encodeURIComponent(`${use}\n[explored]\n${lines.join("")}`);
+    link.href = `data:application/toml;charset=utf-8,${file}`;
     link.download = "explored.toml";
     link.click();
   },
@@ -289,9 +354,10 @@ find("controls").addEventListener("submit", (event) => event.preventDefault());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => panels.redraw());
 
 find("play").textContent = playing ? "Pause" : "Play";
-build([{ key: "start_deg", label: "start θ0", unit: "°", low: 0, high: 360, step: 1, group: "Start", value: given.start_deg }, ...given.controls]);
-for (const [key, told] of new URLSearchParams(location.hash.slice(1))) {
-  if (controls.has(key) && Number.isFinite(Number(told))) state.moved[key] = Number(told);
+const begin = { key: "start_deg", label: "start θ0", unit: "°", group: "Start", value: given.start_deg };
+build([{ ...begin, low: 0, high: 360, step: 1 }, ...given.controls]);
+for (const [key, value] of new URLSearchParams(location.hash.slice(1))) {
+  if (controls.has(key) && Number.isFinite(Number(value))) state.moved[key] = Number(value);
 }
 for (const key of controls.keys()) place(key);
 show({ ...given.answer, id: 0 });

@@ -1,4 +1,5 @@
-// What the page asks: one loop after another, first soon and roughly, then, if no other comes, as well as can be.
+// What the page asks: one loop after another, first soon and roughly, then, if no other comes, as well as
+// can be.
 
 const range = (count) => Array.from({ length: count }, (_, index) => index);
 const FRAMES = 18, COURSES = 8, STAIRCASE_POINTS = 1500;
@@ -6,13 +7,15 @@ const FRAMES = 18, COURSES = 8, STAIRCASE_POINTS = 1500;
 const ROUGH = 1e-5, FINE = 1e-7, FINEST = 1e-10;
 const MAP_TOLERANCE = 5e-7, REST_MS = 150, ROUGH_MS = 10;
 const STOPPED = {
-  MANY_STEPS: "The motion turns so abruptly that it takes too many steps: take a floor nearer to isotropic, or a thicker outline.",
+  MANY_STEPS: "The motion turns so abruptly that it takes too many steps: " +
+    "take a floor nearer to isotropic, or a thicker outline.",
   NO_SLIP: "No slip of the rod balances this friction: lower the rod's friction, or the offset m0, n0.",
   POINTS_AWAY: "The push points away from the object: turn its direction into the side.",
   NOT_ALONE: "The rod gets stuck in a concave corner: push less far, or elsewhere.",
   RING_STOPS: "The ring's friction stops the object on its way back: put the ring farther from the centre.",
   CHATTERS: "The rod sticks and slips without end: change the friction a little.",
 };
+const NO_BALANCE = "The balance of forces cannot be solved here: take a floor nearer to isotropic.";
 
 let engine = null, newest = 0, roughCount = 48;
 const pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -41,7 +44,7 @@ onmessage = async ({ data }) => {
 async function answered({ id, values, start, cycles }, fine, alive) {
   const refusal = (status) => {
     const name = Object.keys(engine.tables.status).find((key) => engine.tables.status[key] === status);
-    return { id, refused: STOPPED[name] ?? "The balance of forces cannot be solved here: take a floor nearer to isotropic." };
+    return { id, refused: STOPPED[name] ?? NO_BALANCE };
   };
   const refused = engine.set(values, fine ? FINE : ROUGH);
   if (refused) return { id, refused };
@@ -51,7 +54,10 @@ async function answered({ id, values, start, cycles }, fine, alive) {
   if (made.status < 1) return refusal(made.status);
   const { map } = made;
   // As many samples as there is time for.
-  if (!fine) roughCount = Math.round(Math.min(96, Math.max(24, (roughCount * ROUGH_MS) / (performance.now() - begun))));
+  if (!fine) {
+    const affordable = (roughCount * ROUGH_MS) / (performance.now() - begun);
+    roughCount = Math.round(Math.min(96, Math.max(24, affordable)));
+  }
   const sigma = values.noise_deg * RADIAN;
   if (fine) engine.set(values, FINEST);
   const points = fixedPoints(map, fine ? engine : null);
@@ -71,17 +77,18 @@ async function answered({ id, values, start, cycles }, fine, alive) {
     samples: map.samples.length,
     jumps: map.jumps.map((theta) => theta / RADIAN),
     turn: range(CELLS + 1).map((degree) => (map.at(degree * RADIAN) - degree * RADIAN) / RADIAN),
-    fixed_points: points.map(({ theta, multiplier, stable }) => ({ theta_deg: theta / RADIAN, multiplier, stable })),
+    fixed_points: points.map(({ theta, ...point }) => ({ theta_deg: theta / RADIAN, ...point })),
     staircase: { every, turns: path.filter((_, index) => index % every === 0) },
     orbit: orbit.map((theta) => theta / RADIAN),
     milliseconds: performance.now() - begun,
   };
 }
 
-// Where the ring makes each of three stories, along the line from the object's origin: it locks in, it goes by a place
-// that holds it up, it turns so that all directions are recorded alike. On the floor there is, else on the usual one.
+// Where the ring makes each of three stories, along the line from the object's origin: it locks in, it goes by
+// a place that holds it up, it turns so that all directions are recorded alike. On the floor there is, else on
+// the usual one.
 async function stories({ values, floor, along, farthest }) {
-  const found = {};
+  const told = {};
   for (const own of [{}, floor]) {
     const tried = [];
     for (const share of range(15).map((index) => (index + 0.7) / 14)) {
@@ -94,12 +101,14 @@ async function stories({ values, floor, along, farthest }) {
       const density = stationaryDensity(map, values.noise_deg * RADIAN, 1);
       if (!density) continue;
       const points = fixedPoints(map, null);
-      tried.push({ moved, highest: Math.max(...density), locks: points.some(({ stable }) => stable), many: points.length });
+      tried.push({ moved, points, peak: Math.max(...density) });
     }
-    const best = (some, by) => some.reduce((one, other) => (one && by(one) <= by(other) ? one : other), null);
-    found.locks ??= best(tried.filter(({ locks }) => locks), ({ highest }) => -highest)?.moved;
-    found.slips ??= best(tried.filter(({ many, highest }) => many === 0 && highest > 1.6), ({ highest }) => -highest)?.moved;
-    found.even ??= best(tried.filter(({ many, highest }) => many === 0 && highest < 1.6), ({ highest }) => highest)?.moved;
+    tried.sort((a, b) => a.peak - b.peak);
+    const turning = tried.filter(({ points }) => points.length === 0);
+    const peaked = turning.filter(({ peak }) => peak > 1.6);
+    told.locks ??= tried.filter(({ points }) => points.some(({ stable }) => stable)).at(-1)?.moved;
+    told.slips ??= peaked.at(-1)?.moved;
+    told.even ??= turning.find(({ peak }) => peak < 1.6)?.moved;
   }
-  return found;
+  return told;
 }

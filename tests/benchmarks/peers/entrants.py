@@ -64,7 +64,7 @@ def entrants(problem: PushProblem) -> list[Entrant]:
             Entrant(f"{known.name} {known.version}", partial(problem.ends, end_pose), len(problem.pushes), note)
         )
     pushes = problem.pushes * _REPEATED
-    run = _in_one_call(problem.model(ACCURACY), pushes)
+    run = _in_one_call(problem.model(ACCURACY[problem.name]), pushes)
     return [*rows, Entrant(ONE_CALL, run, len(pushes), "the first row's pushes and ends")]
 
 
